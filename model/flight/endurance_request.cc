@@ -14,6 +14,7 @@
 #include "model/core/nearest_name.h"
 #include "model/core/parallel.h"
 #include "model/flight/simulator.h"
+#include "model/vehicle/vehicle_file.h"
 
 namespace lipoid {
 namespace {
@@ -298,6 +299,11 @@ EnduranceAnswer FindEndurance(const EnduranceRequest& asked, const EnduranceProg
     RequireAdvanceRatio(request, answer.flight);
   }
   const EnduranceSetup setup = SetupOf(request, request.cell, Estimates(request));
+  if (request.vehicle.mass_kg > 0.0) {  // none: a mission of powers says nothing of what takes them
+    const Vehicle loaded = Loaded(request, request.payload_kg.value);
+    if (const auto doubt = DoubtAboutEnergy(loaded, setup.cell); !doubt.empty())
+      throw OptionError(doubt);
+  }
   if (!(setup.initial_soc > setup.reserve)) {
     throw OptionError(
         fmt::format("the battery starts at a state of charge of {:.4g}, which is not above the "

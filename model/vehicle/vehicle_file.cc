@@ -328,4 +328,19 @@ std::string DoubtAboutPack(const Vehicle& vehicle, int series) {
             "the mass is that with the vehicle's own battery");
 }
 
+std::string DoubtAboutEnergy(const Vehicle& vehicle, const Cell& cell) {
+  constexpr double kMost_Wh_per_kg =
+      300.0;  // of the lightest lithium cells; packs that fly have half
+  const double energy_Wh =
+      cell.series * cell.parallel * cell.alpha_C() / 3600.0 * cell.open_circuit_voltage(0.5);
+  if (energy_Wh <= kMost_Wh_per_kg * vehicle.mass_kg) return "";
+  return fmt::format(
+      "a pack of {:.4g} Wh has at least {:.3g} kg, more than the {:.3g} kg of {} with its pack: is the capacity in "
+      "mAh, where Ah are expected? Else give the number of cells, or the vehicle, that fit it",
+      energy_Wh,
+      energy_Wh / kMost_Wh_per_kg,
+      vehicle.mass_kg,
+      vehicle.name);
+}
+
 }  // namespace lipoid

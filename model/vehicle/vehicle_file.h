@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/battery/cell.h"
 #include "model/vehicle/vehicle.h"
 
 namespace lipoid {
@@ -41,5 +42,9 @@ using VehicleSources = std::vector<std::pair<std::string, std::string>>;
 /// What is doubtful about a pack of so many cells in series for this vehicle, in one sentence; "" where
 /// it has as many as the vehicle is made for, or nobody said how many these are.
 [[nodiscard]] std::string DoubtAboutPack(const Vehicle& vehicle, int series);
+
+/// What is wrong with a pack that would be heavier than what takes off with it, in one sentence; "" where no
+/// energy of its cells says so.
+[[nodiscard]] std::string DoubtAboutEnergy(const Vehicle& vehicle, const Cell& cell);
 
 }  // namespace lipoid

@@ -68,6 +68,25 @@ TEST(EnduranceCommand, SaysWhichOfTheAirAHoverDoesNotFeel) {
   EXPECT_TRUE(with("air.flat_plate_area_m2=0.1"));
 }
 
+// 5200 mAh given as Ah: 77 kWh on 1.8 kg.
+TEST(EnduranceCommand, AsksWhetherACapacityIsInmAh) {
+  const auto run = RunLipoid(TestFolder(),
+                             {"endurance",
+                              "--vehicle",
+                              "camera-10in",
+                              "--cell",
+                              "grepow-32Ah-1",
+                              "--series",
+                              "4",
+                              "--capacity-Ah",
+                              "5200"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(
+      run.err.find("more than the 1.8 kg of camera-10in with its pack: is the capacity in mAh"),
+      std::string::npos)
+      << run.err;
+}
+
 // The page is made of the summary: what is said beside the numbers is in it, also of a quiet run.
 TEST(EnduranceCommand, TheSummaryHoldsWhatIsSaid) {
   const auto folder = TestFolder();

@@ -751,6 +751,7 @@ TEST(Fly, TakesThePackThatTheVehicleIsMadeFor) {
                                "--summary",
                                "s.json"});
   EXPECT_EQ(four.exit_code, 0) << four.err;
+  EXPECT_NE(four.err.find("is the capacity in mAh"), std::string::npos) << four.err;  // 490 Wh
   // The same hover as of equilibrium: lipoid vehicle says 201 W; 32 Ah of cells hold 16 V and more.
   const Json summary = ReadJson(folder, "s.json");
   EXPECT_GT(summary.at("minimum_voltage_V").get<double>(), 15.0);

@@ -256,8 +256,10 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   }
 
   if (setup.cell) {
-    if (const auto doubt = DoubtAboutPack(setup.vehicle, setup.cell->series); !doubt.empty())
-      line.Message("{}", doubt);
+    for (const std::string& doubt : {DoubtAboutPack(setup.vehicle, setup.cell->series),
+                                     DoubtAboutEnergy(setup.vehicle, *setup.cell)}) {
+      if (!doubt.empty()) line.Message("{}", doubt);
+    }
   }
   EnsembleOption::Drawn drawn;
   if (ensemble.asked())
