@@ -170,7 +170,8 @@ std::string HealthSentence(const HealthReport& report, const FlightHealth& fligh
   const bool says_nothing = !flight.capacity_Ah.known() && !flight.resistance_Ohm.known();
   if (!doubt.empty() && says_nothing) return doubt;
   std::string text;
-  if (!doubt.empty()) text = fmt::format("{}. By the fit: ", doubt);
+  if (!doubt.empty())
+    text = fmt::format("{}{} By the fit: ", doubt, doubt.ends_with('?') ? "" : ".");
   text += OneQuantity("capacity", flight.capacity_Ah, 1.0, "Ah", report.new_capacity_Ah);
   text += "; ";
   text +=

@@ -122,11 +122,19 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
           "The charge that is available at this current was used up, with {:.1f} % "
           "held back by diffusion.",
           100.0 * result.rest_soc);
-    case MissionEnd::kMotorVoltage:
-      return fmt::format(
-          "The motors need {}more than the {:.2f} V that the battery gives under load.",
-          request.power ? "" : fmt::format("{:.2f} V, ", answer.flight.battery_V),
-          result.landing_voltage_V);
+    case MissionEnd::kMotorVoltage: {
+      const auto volts = [](double voltage_V, int digits) {
+        return fmt::format("{:.{}f} V", voltage_V, digits);
+      };
+      constexpr int kMostDigits = 6;
+      const double needed_V = answer.flight.battery_V;
+      const double given_V = result.landing_voltage_V;
+      int digits = 2;  // as many as tell the two apart
+      while (digits < kMostDigits && volts(needed_V, digits) == volts(given_V, digits)) ++digits;
+      return fmt::format("The motors need {}more than the {} that the battery gives under load.",
+                         request.power ? "" : volts(needed_V, digits) + ", ",
+                         volts(given_V, digits));
+    }
     case MissionEnd::kPower:
       return fmt::format(
           "The pack cannot give the {:.4g} W that the mission takes at {:.6g} s: {:.4g} W is the most that any "

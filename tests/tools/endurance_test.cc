@@ -87,6 +87,31 @@ TEST(EnduranceCommand, AsksWhetherACapacityIsInmAh) {
       << run.err;
 }
 
+// A hover within hundredths of a volt of what the pack gives.
+TEST(EnduranceCommand, TellsTwoVoltagesApart) {
+  const auto run = RunLipoid(TestFolder(),
+                             {"endurance",
+                              "--vehicle",
+                              "f450",
+                              "--cell",
+                              "grepow-32Ah-1",
+                              "--series",
+                              "4",
+                              "--capacity-Ah",
+                              "5",
+                              "--payload-g",
+                              "1500"});
+  const auto at = run.out.find("The motors need ");
+  ASSERT_NE(at, std::string::npos) << run.out;
+  double needed_V = 0.0;
+  double given_V = 0.0;
+  ASSERT_EQ(
+      std::sscanf(
+          run.out.c_str() + at, "The motors need %lf V, more than the %lf V", &needed_V, &given_V),
+      2);
+  EXPECT_GT(needed_V, given_V);
+}
+
 // The page is made of the summary: what is said beside the numbers is in it, also of a quiet run.
 TEST(EnduranceCommand, TheSummaryHoldsWhatIsSaid) {
   const auto folder = TestFolder();
