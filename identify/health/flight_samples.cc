@@ -209,17 +209,28 @@ void RefuseIdleFlight(const Record& record, double capacity_Ah) {
   const double largest_A = std::max(0.0, FindExtent(record.current_A).most);
   const double charge_Ah = DeliveredCharge(record).back() / 3600.0;
   if (largest_A < kLeastRate_per_h * capacity_Ah || charge_Ah < kLeastCharge * capacity_Ah) {
+    // A thousandth of the capacity, given in mAh, makes of an idle flight a usual one.
+    constexpr double kMilli = 1e-3;
+    constexpr double kMostRate_per_h = 50.0;
+    const double as_Ah = kMilli * capacity_Ah;
+    const bool in_mAh = largest_A >= kLeastRate_per_h * as_Ah &&
+                        largest_A <= kMostRate_per_h * as_Ah && charge_Ah >= kLeastCharge * as_Ah;
     throw LoadError(
         position,
         fmt::format(
             "expected a flight that takes at least {:.3g} A and {:.3g} Ah from this pack of "
-            "{:.3g} Ah, found {:.3g} A at most and {:.3g} Ah: too idle to say anything of "
-            "the pack",
+            "{:.3g} Ah, found {:.3g} A at most and {:.3g} Ah: {}",
             kLeastRate_per_h * capacity_Ah,
             kLeastCharge * capacity_Ah,
             capacity_Ah,
             largest_A,
-            charge_Ah));
+            charge_Ah,
+            in_mAh
+                ? fmt::format(
+                      "is the capacity in mAh, where Ah are expected? Of {:.3g} Ah these are what "
+                      "a flight takes",
+                      as_Ah)
+                : "too idle to say anything of the pack"));
   }
   RefuseFlatVoltage(position, record);
   const double rows_s = length_s / static_cast<double>(record.size());

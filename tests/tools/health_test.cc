@@ -313,6 +313,23 @@ TEST(Health, GuessesNoCapacityFromATypicalCurve) {
   EXPECT_EQ(run.out.find("% of new"), std::string::npos) << run.out;
 }
 
+// 5.2 Ah in mAh: a flight at 2.5 C then looks idle.
+TEST(Health, AsksWhetherACapacityIsInmAh) {
+  const auto run = RunLipoid(TestFolder(),
+                             {"health",
+                              "--cell",
+                              "gifi-600mAh-1",
+                              "--series",
+                              "4",
+                              "--capacity-Ah",
+                              "5200",
+                              FlightFixture("log171.bin")});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("is the capacity in mAh, where Ah are expected? Of 5.2 Ah"),
+            std::string::npos)
+      << run.err;
+}
+
 // A reference of the wrong size: that is said, and no capacity made of it.
 TEST(Health, SaysThatTheReferenceIsNotOfThisSize) {
   const std::string folder = TestFolder();
