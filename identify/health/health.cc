@@ -357,15 +357,19 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
   } else if (AtLimit(x[U::kCapacity])) {
     // How full the pack was went with the capacity.
+    const bool told = std::isfinite(new_capacity_Ah);
     const std::string because = fmt::format(
-        "this flight does not tell it: the search ended at its limit, {:.2g} times the {:.3g} Ah of the new "
-        "pack; the flight takes too little of the charge, {}, or --capacity-Ah is of another pack. "
-        "Give a flight that begins at rest and takes half of the charge",
-        std::exp(x[U::kCapacity]),
-        reference.cell.alpha_C() / 3600.0,
+        "this flight does not tell it: the search ended at its limit{}; the flight takes too little of the "
+        "charge, {}, {}. Give a flight that begins at rest and takes half of the charge",
+        told ? fmt::format(", {:.2g} times the {:.3g} Ah of the new pack",
+                           std::exp(x[U::kCapacity]),
+                           new_capacity_Ah)
+             : "",
         fit.start == FlightStart::kRested
             ? std::string("at a voltage that the reference does not have there")
-            : fmt::format("{}, so that its start is not known", UnrestedStart(fit.start)));
+            : fmt::format("{}, so that its start is not known", UnrestedStart(fit.start)),
+        told ? "or --capacity-Ah is of another pack"
+             : "and nobody says how large the pack is (--capacity-Ah)");
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
     health.soc_start = health.soc_end =
         Unknown("the search for the capacity ended at its limit, and the state of charge with it");

@@ -330,6 +330,20 @@ TEST(Health, AsksWhetherACapacityIsInmAh) {
       << run.err;
 }
 
+// Nobody says how large the pack is: no capacity is called that of the new one.
+TEST(Health, CallsNoGuessTheNewPack) {
+  const auto run = RunLipoid(TestFolder(),
+                             {"health",
+                              "--cell",
+                              "gifi-600mAh-1",
+                              "--series",
+                              "8",
+                              FlightFixture("quadrotor_local.ulg"),
+                              FlightFixture("esc_status_log.ulg")});
+  EXPECT_NE(run.out.find("ended at its limit"), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("of the new pack"), std::string::npos) << run.out;
+}
+
 // A reference of the wrong size: that is said, and no capacity made of it.
 TEST(Health, SaysThatTheReferenceIsNotOfThisSize) {
   const std::string folder = TestFolder();
