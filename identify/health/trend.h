@@ -1,7 +1,8 @@
 #pragma once
 
 /// @file
-/// A straight line through what flights say of one quantity, in their order. Tests:
+/// A straight line through the logarithms of what flights say of one quantity, in their order: the same share is
+/// lost in every flight, and never more than all. Tests:
 /// tests/identify/health/trend_test.cc.
 
 #include <cstddef>
@@ -26,7 +27,7 @@ struct HealthTrend {
   WithInterval first;       ///< of the line, at the first of them
   WithInterval last;
   WithInterval change_percent;      ///< from the first to the last
-  WithInterval per_flight_percent;  ///< of the first
+  WithInterval per_flight_percent;  ///< of the first, on average
 };
 
 /// What one flight says: its place in the order, the quantity (> 0) and the standard deviation of its

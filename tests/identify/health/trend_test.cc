@@ -8,9 +8,9 @@
 namespace lipoid {
 namespace {
 
-TEST(Trend, OfALineIsThatLine) {
+TEST(Trend, OfTheSameShareInEachFlightIsThatShare) {
   std::vector<TrendPoint> points;
-  for (int k = 0; k < 11; ++k) points.push_back({double(k), 2.0 - 0.05 * k, 0.01});
+  for (int k = 0; k < 11; ++k) points.push_back({double(k), 2.0 * std::pow(0.75, 0.1 * k), 0.01});
   const auto trend = FitTrend(points);
   ASSERT_TRUE(trend);
   constexpr double kRounding = 1e-9;
@@ -27,14 +27,24 @@ TEST(Trend, OfALineIsThatLine) {
 TEST(Trend, IntervalIsStudents) {
   const double y[] = {1.0, 2.0, 2.0, 3.0};
   std::vector<TrendPoint> points;
-  for (int k = 0; k < 4; ++k) points.push_back({double(k), y[k], 0.1 / y[k]});  // equal weights
+  for (int k = 0; k < 4; ++k) points.push_back({double(k), std::exp(y[k]), 0.1});
   const auto trend = FitTrend(points);
   ASSERT_TRUE(trend);
   constexpr double kStudent2 = 4.302653;  // 97.5 %, two degrees of freedom
-  EXPECT_NEAR(trend->last.value - trend->first.value, 3.0 * 0.6, 1e-9);
+  EXPECT_NEAR(std::log(trend->last.value / trend->first.value), 3.0 * 0.6, 1e-9);
   // At the end of the line the variance is s² (1/4 + 1.5²/5).
   const double half = kStudent2 * std::sqrt(0.1 * (0.25 + 2.25 / 5.0));
-  EXPECT_NEAR(trend->last.high - trend->last.value, half, 1e-5);
+  EXPECT_NEAR(std::log(trend->last.high / trend->last.value), half, 1e-5);
+}
+
+// Three flights that contradict one another: the line may fall far, but no quantity loses more than all.
+TEST(Trend, NothingLosesMoreThanItHas) {
+  const std::vector<TrendPoint> points{{0.0, 1.8, 0.1}, {1.0, 4.0, 0.1}, {2.0, 1.8, 0.1}};
+  const auto trend = FitTrend(points);
+  ASSERT_TRUE(trend);
+  EXPECT_GT(trend->first.low, 0.0);
+  EXPECT_GT(trend->last.low, 0.0);
+  EXPECT_GT(trend->change_percent.low, -100.0);
 }
 
 TEST(Trend, OfTwoFlightsIsNone) {
