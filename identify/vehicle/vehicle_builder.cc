@@ -327,14 +327,15 @@ class Draft {
     } else if (n_.esc.resistance_Ohm > 0.0) {
       From("esc_resistance_Ohm", "given");
     }
-    if (bench_ && bench_->switching_share.fitted) {
+    if (bench_ && bench_->switching_share.fitted && !(bench_->switching_share.estimate > 0.0)) {
+      v.esc.switching_frequency_Hz = 0.0;
+      draft_.cautions.push_back(fmt::format(
+          "{} shows no losses by switching, so that --esc-pwm-kHz changes nothing", n_.bench_name));
+    } else if (bench_ && bench_->switching_share.fitted) {
       v.esc.switching_time_s =
           Rounded(bench_->switching_share.estimate / n_.esc.switching_frequency_Hz);
       From("esc_switching_time_s",
-           fmt::format("fitted to {}: a share of {:.3g} +- {:.2g} of the motor's current",
-                       n_.bench_name,
-                       bench_->switching_share.estimate,
-                       bench_->switching_share.standard_error));
+           Fitted(bench_->switching_share) + ", as a share of the motor's current");
       From("esc_switching_frequency_Hz", "given");
     } else if (bench_ && bench_->full_throttle && n_.esc.switching_frequency_Hz > 0.0 &&
                n_.esc.switching_time_s == 0.0) {

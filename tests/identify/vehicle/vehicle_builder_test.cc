@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "model/core/errors.h"
+#include "model/vehicle/vehicle_file.h"
 #include "tests/support/throws.h"
 
 namespace lipoid {
@@ -191,6 +193,27 @@ TEST(VehicleBuilder, LossesBySwitchingNeedTimeAndFrequency) {
   EXPECT_NEAR(BuildVehicle(n, {}).vehicle.esc.SwitchingShare(), 2.4e-3, 1e-15);
   n.esc.switching_time_s = 0.0;
   EXPECT_TRUE(Refusal(n).starts_with("option --esc-pwm-kHz: "));
+}
+
+// A fit at its bound has no error, and no losses have no frequency.
+TEST(VehicleBuilder, ABenchTableMayShowNoSwitching) {
+  BuilderNumbers n = Racer();
+  n.bench_name = "bench.csv";
+  n.esc.switching_frequency_Hz = 24e3;
+  BenchFit fit;
+  fit.thrust_coefficient_N_s2 = {"thrust_coefficient_N_s2", 1.4e-6, 1e-8, 1.3e-6, 1.5e-6, true};
+  fit.torque_coefficient_N_m_s2 = {"torque_coefficient_N_m_s2", 2e-8, 1e-10, 1.9e-8, 2.1e-8, true};
+  fit.motor_constant_N_m_per_A = {"motor_constant_N_m_per_A", 0.004, 0.0, 0.004, 0.004, false};
+  fit.resistance_Ohm = {"armature_resistance_Ohm", 0.08, 0.002, 0.076, 0.084, true};
+  fit.friction_N_m_s = {"friction_N_m_s", 1e-6, 1e-8, 0.9e-6, 1.1e-6, true};
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  fit.switching_share = {"switching_share", 0.0, none, none, none, true};
+  fit.throttle_exponent = {"throttle_exponent", 1.0, 0.01, 0.98, 1.02, true};
+  const VehicleDraft draft = BuildVehicle(n, fit);
+  EXPECT_EQ(draft.vehicle.esc.SwitchingShare(), 0.0);
+  EXPECT_EQ(VehicleToToml(draft.vehicle, draft.sources).find("nan"), std::string::npos);
+  EXPECT_EQ(draft.cautions.back(),
+            "bench.csv shows no losses by switching, so that --esc-pwm-kHz changes nothing");
 }
 
 // Each is one number in another unit.
