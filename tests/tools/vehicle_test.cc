@@ -268,6 +268,23 @@ TEST(VehicleCommand, RefusalsSayWhatToGive) {
   EXPECT_NE(twice.err.find("option --pitch-in: --bench-table says what the propeller does"),
             std::string::npos)
       << twice.err;
+  const auto pitched = RunLipoid(folder,
+                                 Body({"--kv-rpm-per-V",
+                                       "920",
+                                       "--winding-resistance-Ohm",
+                                       "0.1",
+                                       "--no-load-A",
+                                       "0.5",
+                                       "--thrust-coefficient",
+                                       "0.1",
+                                       "--power-coefficient",
+                                       "0.04",
+                                       "--blades",
+                                       "3"}));
+  EXPECT_EQ(pitched.exit_code, 2);
+  EXPECT_NE(pitched.err.find("option --blades: --thrust-coefficient and --power-coefficient say"),
+            std::string::npos)
+      << pitched.err;
   const auto alone = RunLipoid(
       folder, Body({"--bench-table", Bench(), "--kv-rpm-per-V", "920", "--no-load-V", "12"}));
   EXPECT_EQ(alone.exit_code, 2);

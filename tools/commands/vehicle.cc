@@ -260,13 +260,18 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
   }
   std::optional<BenchFit> fit;
   std::vector<std::string> remarks;
-  if (!bench_file.empty()) {
-    for (const char* name : {"pitch-in", "blades", "thrust-coefficient", "power-coefficient"}) {
+  const auto leave_out = [&](const std::vector<const char*>& names, std::string_view beside) {
+    for (const char* name : names) {
       if (line.Given(name))
         throw OptionError(fmt::format(
-            "option --{}: --bench-table says what the propeller does; leave one of the two out",
-            name));
+            "option --{}: {} what the propeller does; leave one of the two out", name, beside));
     }
+  };
+  if (numbers.thrust_coefficient && numbers.power_coefficient)
+    leave_out({"pitch-in", "blades"}, "--thrust-coefficient and --power-coefficient say");
+  if (!bench_file.empty()) {
+    leave_out({"pitch-in", "blades", "thrust-coefficient", "power-coefficient"},
+              "--bench-table says");
     numbers.bench_name = std::filesystem::path(bench_file).filename().string();
     BenchGiven given;
     if (numbers.kv_rpm_per_V) {
