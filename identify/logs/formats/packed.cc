@@ -93,7 +93,19 @@ void RefusePacked(const std::string& file, std::string_view head) {
   });
   constexpr std::ptrdiff_t kOneIn = 50;
   if (odd * kOneIn > static_cast<std::ptrdiff_t>(head.size())) {
-    Refuse(file, "binary data", "export the test as text (CSV) from the cycler's program");
+    // What every message of a DataFlash log begins with, of which chance makes one in 65536 bytes.
+    constexpr std::string_view kMessage = "\xA3\x95";
+    constexpr std::size_t kFewest = 5;
+    std::size_t messages = 0;
+    for (std::size_t at = head.find(kMessage); at != head.npos && messages < kFewest;
+         at = head.find(kMessage, at + kMessage.size()))
+      ++messages;
+    if (messages == kFewest) {
+      Refuse(file,
+             "an ArduPilot DataFlash log without its beginning, which says what its messages hold",
+             "copy the whole log from the autopilot");
+    }
+    Refuse(file, "binary data", "export it as text (CSV) from the program that wrote it");
   }
 }
 

@@ -666,8 +666,12 @@ const Wrong kWrong[] = {
      "F:1:1: error: expected a log as text, found UTF-16 text; save it as UTF-8"},
     {"bytes",
      std::string("\1\2\3\4\5abc"),
-     "F:1:1: error: expected a log as text, found binary data; export the test as text (CSV) from "
-     "the cycler's program"},
+     "F:1:1: error: expected a log as text, found binary data; export it as text (CSV) from the "
+     "program that wrote it"},
+    {"EndOfDataFlash",
+     std::string("\1\2\xA3\x95\5\1\xA3\x95\5\2\xA3\x95\5\3\xA3\x95\5\4\xA3\x95\5"),
+     "F:1:1: error: expected a log as text, found an ArduPilot DataFlash log without its beginning, "
+     "which says what its messages hold; copy the whole log from the autopilot"},
 };
 
 class RefusedLog : public testing::TestWithParam<Wrong> {};
