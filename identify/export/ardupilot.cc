@@ -38,8 +38,11 @@ Exported ExportArduPilot(const ExportRequest& request) {
   // The table falls off a cliff below 2 % of its capacity: the mission stays above it.
   constexpr double kCliff = 0.02;
   const double least_Ah = std::max(0.5 * capacity_Ah, drawn_Ah / (1.0 - kCliff));
-  // A part of v_oc does not tell where it ends: the capacity is then the cell's own.
-  const bool held = !KnowsCurve(cell, 0.0, 1.0);
+  // A part of v_oc, or a mission over a part of the charge, does not tell where it ends: the capacity is then the
+  // cell's own.
+  constexpr double kTellingShare = 0.5;
+  const bool known = KnowsCurve(cell, 0.0, 1.0);
+  const bool held = !known || drawn_Ah < kTellingShare * capacity_Ah;
   const double held_Ah = std::max(least_Ah, capacity_Ah);
   std::vector<FreeParameter> parameters = {
       {"maxVoltage", (1.0 - kFullTolerance) * full_V, (1.0 + kFullTolerance) * full_V, full_V},
@@ -96,9 +99,11 @@ Exported ExportArduPilot(const ExportRequest& request) {
           : "Builds since June 2026 have SIM_BATT_RES_OHM as a parameter, which the target version "
             "2026-06 writes; older ones take the resistance from the frame alone."};
   if (held) {
-    exported.notes.emplace_back(
-        "battCapacityAh is the cell's own capacity and was not fitted: the part of v_oc that is known does not "
-        "tell it.");
+    exported.notes.push_back(fmt::format(
+        "battCapacityAh is the cell's own capacity and was not fitted: {} does not tell it.",
+        known ? fmt::format("a mission that takes {:.0f} % of the charge",
+                            100.0 * drawn_Ah / capacity_Ah)
+              : "the part of v_oc that is known"));
   }
   AddStartNote(request, exported);
   AddBoundNotes(found, exported);
@@ -114,7 +119,8 @@ Exported ExportArduPilot(const ExportRequest& request) {
   std::string parm = comment;
   parm += fmt::format("SIM_BATT_VOLTAGE {}\n", numbers[0].second);
   parm += fmt::format("SIM_BATT_CAP_AH {}\n", numbers[1].second);
-  parm += fmt::format("BATT_CAPACITY {}\n", std::lround(1000.0 * battery.capacity_Ah));
+  // What the autopilot counts percent and failsafe by is what the cell gives, not the law's capacity.
+  parm += fmt::format("BATT_CAPACITY {}\n", std::lround(1000.0 * cell.parallel * capacity_Ah));
   if (request.target_version == "2026-06")
     parm += fmt::format("SIM_BATT_RES_OHM {}\n", numbers[2].second);
   exported.files = {{".json", std::move(frame)}, {".parm", std::move(parm)}};

@@ -59,7 +59,8 @@ TEST(ArduPilotFiles, HoldTheSameNumbersAndTheseHaveTheStatedError) {
   EXPECT_EQ(parm.at("SIM_BATT_VOLTAGE"), frame["maxVoltage"].get<double>());
   EXPECT_EQ(parm.at("SIM_BATT_CAP_AH"), frame["battCapacityAh"].get<double>());
   EXPECT_EQ(parm.at("SIM_BATT_RES_OHM"), frame["refBatRes"].get<double>());
-  EXPECT_EQ(parm.at("BATT_CAPACITY"), std::round(1000.0 * frame["battCapacityAh"].get<double>()));
+  EXPECT_EQ(parm.at("BATT_CAPACITY"),
+            std::round(1000.0 * request.cell.parallel * UsableCapacity_Ah(request.cell)));
   const auto drawn_Ah = ChargeDrawn_Ah(request.cell, request.mission);
   const auto error = VoltageError(
       ReferenceOf(request.cell, request.mission),
@@ -72,6 +73,21 @@ TEST(ArduPilotFiles, HoldTheSameNumbersAndTheseHaveTheStatedError) {
   request.target_version = "any";
   EXPECT_EQ(Export(FindExportTarget("ardupilot"), request).files[1].content.find("\nSIM_BATT_RES"),
             std::string::npos);
+}
+
+// A short flight fits a pack of twice the capacity as well: it is not asked.
+TEST(ArduPilotFiles, AMissionOverAPartOfTheChargeTellsNoCapacity) {
+  auto request = RequestOfMyCell(Pack());
+  for (double& current_A : request.mission.current_A) current_A *= 0.3;
+  const auto exported = Export(FindExportTarget("ardupilot"), request);
+  EXPECT_EQ(exported.parameters[1].name, "battCapacityAh");
+  constexpr double kFloat = 1e-6;
+  EXPECT_NEAR(exported.parameters[1].value,
+              request.cell.parallel * UsableCapacity_Ah(request.cell),
+              kFloat);
+  EXPECT_TRUE(std::any_of(exported.notes.begin(), exported.notes.end(), [](const auto& note) {
+    return note.find("% of the charge does not tell it") != std::string::npos;
+  }));
 }
 
 TEST(Px4File, HasTheFiveColumnsOfQGroundControl) {
