@@ -72,6 +72,7 @@ TEST(Health, NoPackGrows) {
   EXPECT_NE(OnOneLine(run.out).find("no pack grows: does the new one hold more than 1 Ah"),
             std::string::npos)
       << run.out;
+  EXPECT_NE(OnOneLine(run.out).find("wrong? By the fit: "), std::string::npos) << run.out;
 }
 
 TEST(Health, RefusesAirInFahrenheit) {
