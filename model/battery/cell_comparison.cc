@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "model/battery/arrhenius.h"
 #include "model/battery/at_temperature.h"
 #include "model/battery/cell_parameters.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -22,10 +26,52 @@ Cell AtReferenceOf(const Cell& estimate, const Cell& truth) {
   return moved;
 }
 
+// The estimate with its branches where the truth has those of the nearest time constants, the closest two first and
+// each once. Where it has none its branch is missing; what the truth has not comes behind.
+Cell InOrderOf(const Cell& truth, const Cell& estimate) {
+  Cell moved = estimate;
+  moved.branches.assign(
+      truth.branches.size(),
+      {.resistance_Ohm = Resistance<double>(kNaN), .time_constant_s = kNaN, .capacitance_F = {}});
+  std::vector<double> energies_J_per_mol(moved.branches.size(), kNaN);
+  std::vector<std::size_t> left(estimate.branches.size());
+  std::iota(left.begin(), left.end(), 0);
+  const auto move = [&](std::vector<std::size_t>::iterator from, std::size_t to) {
+    if (to == moved.branches.size()) {
+      moved.branches.emplace_back();
+      energies_J_per_mol.emplace_back();
+    }
+    moved.branches[to] = estimate.branches[*from];
+    if (estimate.temperature)
+      energies_J_per_mol[to] = estimate.temperature->branches_J_per_mol[*from];
+    left.erase(from);
+  };
+  for (std::size_t pairs = std::min(left.size(), moved.branches.size()); pairs > 0; --pairs) {
+    auto from = left.begin();
+    std::size_t to = 0;
+    double least = kInfinity;
+    for (auto j = left.begin(); j != left.end(); ++j) {
+      for (std::size_t k = 0; k < truth.branches.size(); ++k) {
+        const double off = std::abs(
+            std::log(estimate.branches[*j].time_constant_s / truth.branches[k].time_constant_s));
+        if (!std::isnan(moved.branches[k].time_constant_s) || off >= least) continue;
+        least = off;
+        from = j;
+        to = k;
+      }
+    }
+    move(from, to);
+  }
+  while (!left.empty()) move(left.begin(), moved.branches.size());
+  if (moved.temperature) moved.temperature->branches_J_per_mol = std::move(energies_J_per_mol);
+  return moved;
+}
+
 }  // namespace
 
-CellComparison CompareCells(const Cell& of_truth, const Cell& estimate) {
-  const Cell truth = AtReferenceOf(estimate, of_truth);
+CellComparison CompareCells(const Cell& of_truth, const Cell& as_estimated) {
+  const Cell truth = AtReferenceOf(as_estimated, of_truth);
+  const Cell estimate = InOrderOf(truth, as_estimated);
   CellComparison result;
   auto names = CellParameterNames(truth);
   for (const auto& name : CellParameterNames(estimate)) {

@@ -28,6 +28,7 @@ struct CellComparison {
   double open_circuit_rms_V = 0.0;
 };
 
+/// Branches correspond by the nearest time constant, each once, and have the numbers of the truth.
 /// Where both know temperature the truth is that at the reference temperature of the estimate.
 [[nodiscard]] CellComparison CompareCells(const Cell& truth, const Cell& estimate);
 [[nodiscard]] Json ComparisonToJson(const CellComparison& comparison);

@@ -139,7 +139,7 @@ const std::array kRows{
     Row{{"E", "J/mol", kEnergy, true, true, kMostEnergy},
         [](const Cell& cell, std::size_t j) -> std::optional<double> {
           if (!cell.temperature) return std::nullopt;
-          return cell.temperature->branches_J_per_mol[j];
+          return UnlessMissing(cell.temperature->branches_J_per_mol[j]);
         },
         [](Cell& cell, std::size_t j, double value) {
           Warmth(cell).branches_J_per_mol[j] = value;

@@ -307,7 +307,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     line.Print("{}", IdentificationText(campaign, result, verbose));
     if (truth) {
       const auto comparison = CompareCells(*truth, result.cell);
-      line.Print("\nTruth against estimate\n{}", TruthTable(comparison));
+      line.Print("\nTruth against estimate, branches by the nearest time constant\n{}",
+                 TruthTable(comparison));
       cells.back()["truth"] = ComparisonToJson(comparison);
     }
     line.Print("\nCell file: {}\n", paths[k]);

@@ -63,9 +63,35 @@ TEST(CellComparison, NamesWhatOnlyOneOfThemHas) {
   SetCellParameter(estimate, "tau_2", 5.0);
   const auto comparison = CompareCells(truth, estimate);
   EXPECT_EQ(Find(comparison, "r_2").truth, std::nullopt);
-  EXPECT_EQ(Find(comparison, "r_2").estimate, 0.02);
+  EXPECT_EQ(Find(comparison, "r_2").estimate, 0.01);
   EXPECT_EQ(Find(comparison, "r_2").error_percent, std::nullopt);
   EXPECT_EQ(ComparisonToJson(comparison).at("parameters").at("r_2").at("truth"), nullptr);
+}
+
+// The numbers of branches say nothing of which is which.
+TEST(CellComparison, BranchesCorrespondByTheNearestTimeConstant) {
+  Cell one = LoadCell("gifi-600mAh-1");
+  one.temperature.emplace();
+  one.branches.clear();
+  Cell two = one;
+  SetCellParameter(one, "r_1", 0.03);
+  SetCellParameter(one, "tau_1", 30.0);
+  SetCellParameter(one, "E_1", 2e4);
+  SetCellParameter(two, "r_1", 2e-4);
+  SetCellParameter(two, "tau_1", 2.2);
+  SetCellParameter(two, "r_2", 0.0303);
+  SetCellParameter(two, "tau_2", 33.0);
+  const auto of_more = CompareCells(one, two);
+  EXPECT_NEAR(*Find(of_more, "r_1").error_percent, 1.0, kRoundingOfPercents);
+  EXPECT_NEAR(*Find(of_more, "tau_1").error_percent, 10.0, kRoundingOfPercents);
+  EXPECT_EQ(Find(of_more, "tau_2").truth, std::nullopt);
+  EXPECT_EQ(Find(of_more, "tau_2").estimate, 2.2);
+  const auto of_fewer = CompareCells(two, one);
+  EXPECT_EQ(Find(of_fewer, "tau_1").estimate, std::nullopt);
+  EXPECT_EQ(Find(of_fewer, "E_1").estimate, std::nullopt);
+  EXPECT_EQ(Find(of_fewer, "E_2").estimate, 2e4);
+  EXPECT_EQ(Find(of_fewer, "tau_2").truth, 33.0);
+  EXPECT_EQ(Find(of_fewer, "tau_2").estimate, 30.0);
 }
 
 TEST(CellComparison, AnotherGaugeOfAlphaIsTheSameCurve) {
