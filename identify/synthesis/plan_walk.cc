@@ -10,14 +10,16 @@
 namespace lipoid {
 namespace {
 
-// The lengths of whole rows next to one that is none, as "28 or 35 s in place of 30 s"; "" where it
-// is one.
-std::string WholeRowsInPlaceOf(double length_s, const DecimalStep& sampling) {
+// The lengths of whole rows next to one that is none, as "a pulse_s of 28 or 35 s in place of 30 s"; ""
+// where it is one.
+std::string WholeRowsInPlaceOf(const TestStage& stage, const DecimalStep& sampling) {
+  const double length_s = stage.length_s;
   const auto rows = sampling.Count(length_s);
   const double nearest_s = sampling.Times(rows);
   if (std::abs(nearest_s - length_s) <= 1e-9 && (rows > 0 || length_s == 0.0)) return "";
   const auto below = nearest_s > length_s ? rows - 1 : rows;
-  return fmt::format("{}{} s in place of {} s",
+  return fmt::format("a {} of {}{} s in place of {} s",
+                     stage.current_A == 0.0 ? "rest_s" : "pulse_s",
                      below > 0 ? fmt::format("{} or ", sampling.Times(below)) : "",
                      sampling.Times(below + 1),
                      length_s);
@@ -28,15 +30,13 @@ std::string WholeRowsInPlaceOf(double length_s, const DecimalStep& sampling) {
 std::string WhyNoPulses(const Cell& cell, const TestPlan& plan, const DecimalStep& sampling) {
   std::vector<std::string> lengths;
   for (const auto& stage : plan.stages) {
-    if (auto fits = WholeRowsInPlaceOf(stage.length_s, sampling); !fits.empty())
+    if (auto fits = WholeRowsInPlaceOf(stage, sampling); !fits.empty())
       lengths.push_back(std::move(fits));
   }
   if (!lengths.empty()) {
-    return fmt::format(
-        "{}: expected pulses and rests that are multiples of sampling_s, {} s; take {}",
-        plan.file,
-        sampling.Times(1),
-        fmt::join(lengths, ", and "));
+    return fmt::format("expected pulses and rests that are multiples of sampling_s, {} s; take {}",
+                       sampling.Times(1),
+                       fmt::join(lengths, ", and "));
   }
   const double rest_s = sampling.Times(static_cast<std::int64_t>(kRestRows));
   const bool rests = std::any_of(plan.stages.begin(), plan.stages.end(), [&](const auto& stage) {
@@ -44,8 +44,7 @@ std::string WhyNoPulses(const Cell& cell, const TestPlan& plan, const DecimalSte
   });
   if (!rests) {
     return fmt::format(
-        "{}: expected rests of at least {} rows between the pulses; give a rest_s of at least {} s",
-        plan.file,
+        "expected rests of at least {} rows between the pulses; give a rest_s of at least {} s",
         kRestRows,
         rest_s);
   }

@@ -150,10 +150,9 @@ TEST(Plan, LeavesOutWhatIdentifyWouldRefuse) {
   ASSERT_EQ(rows.exit_code, 0) << rows.err;
   const Json of_rows = ReadJson(folder, "rows.json");
   ASSERT_EQ(of_rows.at("rows").size(), 1U);
-  EXPECT_EQ(
-      of_rows.at("left_out")[0],
-      "pulses.csv: expected pulses and rests that are multiples of sampling_s, 7 s; take 28 or "
-      "35 s in place of 30 s, and 1764 or 1771 s in place of 1770 s");
+  EXPECT_EQ(of_rows.at("left_out")[0],
+            "expected pulses and rests that are multiples of sampling_s, 7 s; take a pulse_s of "
+            "28 or 35 s in place of 30 s, and a rest_s of 1764 or 1771 s in place of 1770 s");
   const auto run = RunLipoid(
       folder, {"plan", "gifi-600mAh-1", "--pulse-s", "100,250,300", "--summary", "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -170,7 +169,7 @@ TEST(Plan, LeavesOutWhatIdentifyWouldRefuse) {
     arguments.insert(arguments.end(), at.begin(), at.end());
     const auto none = RunLipoid(folder, arguments);
     EXPECT_EQ(none.exit_code, 2);
-    EXPECT_NE(none.err.find("pulses.csv: expected rests of at least 2 rows between the pulses; "
+    EXPECT_NE(none.err.find("expected rests of at least 2 rows between the pulses; "
                             "give a rest_s of at least 10 s"),
               std::string::npos)
         << none.err;

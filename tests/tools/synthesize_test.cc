@@ -177,7 +177,7 @@ TEST(Synthesize, AFolderThatCannotBeWrittenIsSaid) {
 TEST(Synthesize, SaysWhatMakesNoLogsOfALab) {
   const auto folder = TestFolder();
   const std::pair<std::vector<std::string>, const char*> refused[] = {
-      {{"--rest-s", "0"}, "pulses.csv: expected rests of at least 2 rows between the pulses"},
+      {{"--rest-s", "0"}, "expected rests of at least 2 rows between the pulses"},
       {{"--pulse-s", "1000"},
        "pulses.csv: a pulse of 1000 s at 3.6 A empties the cell after 266 s, before any rest, and "
        "identify takes no such log for pulses; give a shorter pulse_s or a lower rate"},
