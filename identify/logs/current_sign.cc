@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "identify/logs/columns.h"
@@ -403,6 +404,33 @@ std::string Describe(const Look& look, const Edges& edges, double side, double l
   return text;
 }
 
+// Of a current that never changes sign, the first steady load under which the voltage rises by much and the
+// first under which it falls by as much; "" where it does not go both ways.
+std::string WhereBothWays(const Record& record) {
+  constexpr double kSteady = 0.1;  // of the load
+  constexpr double kMuch = 0.2;    // of the highest voltage, which no recovery makes
+  const Extent current = FindExtent(record.current_A);
+  const double least_A = kLeastShareOfLoad * current.Magnitude();
+  if (record.voltage_V.empty() || std::min(-current.least, current.most) > least_A) return "";
+  const double much_V = kMuch * LargestMagnitude(record.voltage_V);
+  std::string rises;
+  std::string falls;
+  for (std::size_t first = 0, next = 1; first < record.size(); first = next++) {
+    const double load_A = std::abs(record.current_A[first]);
+    if (load_A <= least_A) continue;
+    while (next < record.size() &&
+           std::abs(std::abs(record.current_A[next]) - load_A) <= kSteady * load_A)
+      ++next;
+    const double rise_V = record.voltage_V[next - 1] - record.voltage_V[first];
+    std::string& which = rise_V > 0.0 ? rises : falls;
+    if (std::abs(rise_V) < much_V || !which.empty()) continue;
+    which =
+        fmt::format("from {:.10g} s to {:.10g} s", record.time_s[first], record.time_s[next - 1]);
+  }
+  if (rises.empty() || falls.empty()) return "";
+  return fmt::format("falls {} and rises {}", falls, rises);
+}
+
 }  // namespace
 
 SignFinding FindSignFromPhysics(const Record& record) {
@@ -416,13 +444,16 @@ SignFinding FindSignFromPhysics(const Record& record) {
   const double sum = edges.evidence + flow.evidence;
   const double rise = flow.rise_V / look.drift_V(kDrift);
   const double of_rise = 0.5 * rise * rise;
-  const SignFinding both_ways = {
-      CurrentSign::kUnclear,
-      "the voltage falls with the current in some places and rises in others, as if the current "
-      "had no sign or another pack began in between",
-      true};
+  const auto both_ways = [&]() -> SignFinding {
+    const std::string where = WhereBothWays(record);
+    return {CurrentSign::kUnclear,
+            fmt::format("the voltage {}, as if the current had no sign",
+                        where.empty() ? "falls with the current in some places and rises in others"
+                                      : where),
+            true};
+  };
   if (!(std::abs(sum) >= kDecisive)) {  // NaN too, of numbers that overflow
-    if (look.one_sided && of_rise > kDecisive) return both_ways;
+    if (look.one_sided && of_rise > kDecisive) return both_ways();
     // Of a log that is all hold the resistance is not seen: the least that would show.
     const double least_V = std::max(edges.drop_V, kSteadyDrift * look.mean_V);
     return {CurrentSign::kUnclear,
@@ -449,7 +480,7 @@ SignFinding FindSignFromPhysics(const Record& record) {
     against += std::max(0.0, of_rise - std::max(0.0, edges_in_rise));
   }
   if (against > kAgainst + (look.one_sided ? kAgainstShareOfAmount : kAgainstShare) * in_favour)
-    return both_ways;
+    return both_ways();
   if (look.one_sided && HoldsVoltage(look, edges.drop_V, side)) {
     return {CurrentSign::kUnclear,
             "the current has one sign and in places the voltage is held while it changes, as at "
@@ -522,26 +553,6 @@ SignFinding FindSignFromStates(const Record& record, const std::vector<std::int8
           true};
 }
 
-bool HasNoSign(const Record& record) {
-  constexpr double kSteady = 0.1;  // of the load
-  constexpr double kMuch = 0.2;    // of the highest voltage, which no recovery makes
-  const Extent current = FindExtent(record.current_A);
-  const double least_A = kLeastShareOfLoad * current.Magnitude();
-  if (record.voltage_V.empty() || std::min(-current.least, current.most) > least_A) return false;
-  const double much_V = kMuch * LargestMagnitude(record.voltage_V);
-  bool rises = false;
-  bool falls = false;
-  for (std::size_t first = 0, next = 1; first < record.size(); first = next++) {
-    const double load_A = std::abs(record.current_A[first]);
-    if (load_A <= least_A) continue;
-    while (next < record.size() &&
-           std::abs(std::abs(record.current_A[next]) - load_A) <= kSteady * load_A)
-      ++next;
-    const double rise_V = record.voltage_V[next - 1] - record.voltage_V[first];
-    rises = rises || rise_V >= much_V;
-    falls = falls || rise_V <= -much_V;
-  }
-  return rises && falls;
-}
+bool HasNoSign(const Record& record) { return !WhereBothWays(record).empty(); }
 
 }  // namespace lipoid

@@ -93,8 +93,9 @@ void SettleMillivolts(Record& record,
 }
 
 constexpr std::string_view kOneDirection =
-    "read a part in which the cell is only charged or only discharged, or export the current with its "
-    "sign or with a column of states";
+    "read a part in which the cell is only charged or only discharged (start_s and end_s, steps or cycles in a "
+    "campaign; lipoid convert --start-s --end-s, --steps or --cycles), or export the current with its sign or "
+    "with a column of states";
 
 // Makes discharge positive.
 void SettleSign(Log& log,

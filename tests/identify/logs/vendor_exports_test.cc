@@ -241,10 +241,11 @@ TEST(VendorExport, AnUnsignedCurrentWithoutAStateIsRefused) {
       test::LoadErrorOf([&] { (void)ReadLog(path); }),
       path +
           ":1:31: error: expected a current whose sign the data settle, found that the voltage "
-          "falls with the "
-          "current in some places and rises in others, as if the current had no sign or another pack began in between; no option gives it one: read a "
-          "part in which the cell is only charged or only discharged, or export the current with its "
-          "sign or with a column of states");
+          "falls from 31471.84998 s to 67457.08002 s and rises from 9837.33 s to 20924.88 s, as if "
+          "the current had no sign or another pack began in between; no option gives it one: read a part in which the cell is only "
+          "charged or only discharged (start_s and end_s, steps or cycles in a campaign; lipoid "
+          "convert --start-s --end-s, --steps or --cycles), or export the current with its sign or "
+          "with a column of states");
   EXPECT_TRUE(ReadLog(path, {.current_sign = "discharge-positive"})
                   .report.warnings.at(0)
                   .starts_with("the current never changes its sign while the voltage rises"));
