@@ -191,8 +191,12 @@ TEST(LoadCampaign, ACapacityInOtherUnitsIsNamed) {
             folder +
                 "/c.toml:1:1: error: capacity_Ah: expected logs that move the charge of a cell "
                 "of 2000 Ah, found 2 Ah at most; is the capacity in mAh, or are times in "
-                "minutes or currents in another unit than their headers say?");
+                "minutes or currents in another unit than their headers say? A discharge that was "
+                "stopped early is of kind \"validation\"");
   EXPECT_EQ(complaint("2.1", "constant-current"), "no error");
+  // A minute taken for a second makes a 60th of it, a discharge that was stopped early a tenth.
+  EXPECT_EQ(complaint("20.0", "constant-current"), "no error");
+  EXPECT_NE(complaint("120.0", "constant-current"), "no error");
   // Pulses need not empty the cell, and validation logs prove nothing.
   EXPECT_EQ(complaint("20.0", "pulses"), "no error");
   EXPECT_NE(complaint("2000.0", "pulses"), "no error");
