@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "identify/logs/formats/formats.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/read_logs.h"
 #include "model/core/counted.h"
@@ -165,6 +166,7 @@ std::vector<InspectedFile> InspectLogs(const std::vector<std::string>& files,
   for (std::size_t k = 0; k < files.size(); ++k) {
     inspected[k].file = files[k];
     inspected[k].problems = std::move(problems[k]);
+    inspected[k].no_log = !inspected[k].inspection && IsNoLog(files[k], options);
   }
   return inspected;
 }

@@ -81,6 +81,7 @@ struct InspectedFile {
   std::string file;
   std::optional<Inspection> inspection;
   std::vector<Diagnostic> problems;
+  bool no_log = false;  ///< not one that cannot be read, but no log at all
 };
 
 /// Called with the number of a file and its rows, which are not kept; several at once.

@@ -399,6 +399,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
     if (each.rows > 0) line.report_series().push_back(std::move(each));
   }
   std::vector<Diagnostic> problems;  // the first of each bad file
+  bool only_beside = true;  // of files that are no logs, and stand in a folder that was named
   Json rows = Json::array();
   for (const auto& file : files) {
     if (file.inspection) {
@@ -406,6 +407,8 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
       rows.push_back(InspectionToJson(*file.inspection));
     } else {
       problems.push_back(file.problems.front());
+      only_beside = only_beside && file.no_log &&
+                    std::find(words.begin(), words.end(), file.file) == words.end();
       rows.push_back({{"file", file.file}, {"error", LoadError(file.problems).what()}});
     }
   }
@@ -426,9 +429,9 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   }
   line.summary()["files"] = std::move(rows);
   line.summary()["draft"] = ToJson(draft);
-  if (problems.empty()) return no_draft ? cli::ExitCode::kUsage : cli::ExitCode::kDone;
-  line.Problem(LoadError(std::move(problems)));
-  return cli::ExitCode::kBadInput;
+  if (!problems.empty()) line.Problem(LoadError(std::move(problems)));
+  if (!only_beside) return cli::ExitCode::kBadInput;
+  return no_draft ? cli::ExitCode::kUsage : cli::ExitCode::kDone;
 }
 
 }  // namespace lipoid

@@ -195,6 +195,11 @@ std::string Beginning(std::string_view line) {
   return found;
 }
 
+[[noreturn]] void Refuse(bool log, SourcePosition position, std::string message) {
+  if (log) throw LoadError(std::move(position), std::move(message));
+  throw NoLogError(std::move(position), std::move(message));
+}
+
 [[noreturn]] void RefuseUnknown(const TextSource& source,
                                 const std::vector<HeadLine>& lines,
                                 const FoundHeader& nearest,
@@ -248,23 +253,28 @@ std::string Beginning(std::string_view line) {
         return FindUnit(quantity, name.unit.empty() ? name.suffix : name.unit).has_value();
       });
     }
-    throw LoadError(
-        {source.file(), nearest.line, 1},
-        fmt::format("expected columns for {} and {}, found none for {} among {}; name them as "
-                    "the header does (--columns {}, or `columns` in a campaign)",
-                    fmt::join(wanted.begin(), wanted.end() - 1, ", "),
-                    wanted.back(),
-                    fmt::join(missing, " and "),
-                    Listed(names),
-                    fmt::join(to_say, " ")));
+    Refuse(missing.size() == 1,
+           {source.file(), nearest.line, 1},
+           fmt::format("expected columns for {} and {}, found none for {} among {}; name them as "
+                       "the header does (--columns {}, or `columns` in a campaign)",
+                       fmt::join(wanted.begin(), wanted.end() - 1, ", "),
+                       wanted.back(),
+                       fmt::join(missing, " and "),
+                       Listed(names),
+                       fmt::join(to_say, " ")));
   }
-  throw LoadError(
-      {source.file(), line, 1},
-      fmt::format(
-          "expected a header that names time, current and voltage, such as "
-          "time_s,current_A,voltage_V, found '{}'; {}`lipoid list formats` shows what is read",
-          Beginning(first->text),
-          Suspicion(first->text)));
+  const bool numbers = std::any_of(lines.begin(), lines.end(), [](const HeadLine& each) {
+    return std::any_of(std::begin(kDelimiters), std::end(kDelimiters), [&](char delimiter) {
+      return LooksLikeData(CellsOf(each.text, delimiter));
+    });
+  });
+  Refuse(numbers,
+         {source.file(), line, 1},
+         fmt::format(
+             "expected a header that names time, current and voltage, such as "
+             "time_s,current_A,voltage_V, found '{}'; {}`lipoid list formats` shows what is read",
+             Beginning(first->text),
+             Suspicion(first->text)));
 }
 
 }  // namespace

@@ -44,8 +44,15 @@ struct FoundHeader {
   [[nodiscard]] std::vector<HeaderMatch> Find(Quantity quantity, const ReadOptions& options) const;
 };
 
+/// Of a text without rows of numbers, or of a table that has one of time, current and voltage at most: it is no
+/// log, rather than one that cannot be read.
+class NoLogError : public LoadError {
+ public:
+  using LoadError::LoadError;
+};
+
 /// The first line that is the header of one of `formats`, or that names time, current and voltage.
-/// LoadError with advice where no line does.
+/// LoadError with advice where no line does, a NoLogError where this is no log.
 [[nodiscard]] FoundHeader FindHeader(const TextSource& source,
                                      const std::vector<HeadLine>& lines,
                                      std::span<const Layout* const> formats,

@@ -30,4 +30,16 @@ LogPlan PlanReading(TextSource& source, const ReadOptions& options) {
   return PlanColumns(source, options, FindHeader(source, lines, kFormats, options), lines);
 }
 
+bool IsNoLog(const std::string& file, const ReadOptions& options) {
+  try {
+    TextSource source(file);
+    (void)PlanReading(source, options);
+  } catch (const NoLogError&) {
+    return true;
+  } catch (const LoadError&) {
+    // It may be a log that cannot be read.
+  }
+  return false;
+}
+
 }  // namespace lipoid

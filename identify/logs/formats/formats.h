@@ -6,6 +6,7 @@
 /// Tests: tests/identify/logs/formats/formats_test.cc.
 
 #include <span>
+#include <string>
 
 #include "identify/logs/formats/plan_columns.h"
 
@@ -13,6 +14,9 @@ namespace lipoid {
 
 /// All formats, sorted by name.
 [[nodiscard]] std::span<const Layout* const> LogFormats();
+
+/// Whether the file is no log at all (NoLogError), by its head.
+[[nodiscard]] bool IsNoLog(const std::string& file, const ReadOptions& options);
 
 /// Recognises the file, resolves its columns and units, and leaves the source at the first line
 /// after the header. LoadError with a position and advice where that cannot be done.
