@@ -17,6 +17,7 @@
 #include "identify/joint/joint_request.h"
 #include "identify/joint/joint_trust.h"
 #include "identify/logs/columns.h"
+#include "identify/logs/plausibility.h"
 #include "identify/logs/unlike_discharges.h"
 #include "identify/stages/staged_profile.h"
 #include "identify/stages/staged_report.h"
@@ -466,6 +467,8 @@ Identification Identify(const Campaign& campaign,
       !doubts.empty())
     found.log_notes.push_back(std::move(doubts));
   found.quality = QualityOf(found, campaign, logs);
+  if (auto doubt = DoubtAboutCutoff(found.cell.cutoff_V); !doubt.empty())
+    found.quality.Doubt(std::move(doubt));
   if (!found.converged) found.quality.Doubt("the search ended before it had converged");
   if (found.staged) {
     if (auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty())

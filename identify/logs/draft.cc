@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "identify/logs/plausibility.h"
 #include "identify/logs/unlike_discharges.h"
 #include "model/core/foreign_text.h"
 #include "model/core/run_record.h"
@@ -35,8 +36,8 @@ constexpr double kIronPhosphateRest_V = 3.45;
 // A draft takes no cut-off below the first, and writes the second in its place.
 constexpr double kLowestCutoff_V = 1.5;
 constexpr double kTypicalCutoff_V = 3.0;
-// No cell is empty above it, whatever its chemistry.
-constexpr double kNotEmpty_V = 3.7;
+// From full to empty every cell falls by more, iron phosphate down to 3 V included.
+constexpr double kLeastFall_V = 0.2;
 
 double RoundToDigits(double value, int digits) {
   if (!(value > 0.0) || !std::isnormal(value)) return 0.0;
@@ -180,6 +181,7 @@ class Drafting {
     for (Test& test : tests_) AddEntry(test);
     FindCapacity();
     LeaveOutWhatIsNotFromFull();
+    LeaveOutWhatDoesNotEndEmpty();
     FindCutoffAndEnds();
     ChooseLowRate();
     FindStarts();
@@ -320,13 +322,16 @@ class Drafting {
           RoundToDigits(slowest->inspection->discharge->charge_C / 3600.0, 3);
     } else if (!all_.empty()) {
       draft_.remarks.emplace_back(
-          "No log discharges the cell from full to empty: look its capacity up and give it as "
-          "capacity_Ah.");
+          "No log discharges the cell from full to empty: look its capacity and its cut-off up and "
+          "give them as capacity_Ah and cutoff_V.");
     }
   }
 
   static bool EndsEmpty(const Candidate& each) {
-    return each.inspection->discharge && each.inspection->discharge->end_voltage_V <= kNotEmpty_V;
+    if (!each.inspection->discharge) return false;
+    const Discharge& discharge = *each.inspection->discharge;
+    return discharge.end_voltage_V <= kHighestCutoff_V + discharge.nearness_V() &&
+           each.inspection->voltage_V->largest - discharge.end_voltage_V >= kLeastFall_V;
   }
 
   // Of the discharges that end empty at more than this current.
@@ -354,10 +359,37 @@ class Drafting {
     std::erase_if(slow_, [](const Candidate& each) { return !each.entry->left_out.empty(); });
   }
 
+  // Under any cut-off that it would take, the charge of the cell is too small.
+  void LeaveOutWhatDoesNotEndEmpty() {
+    for (const Candidate& each : fast_) {
+      if (EndsEmpty(each)) continue;
+      each.entry->left_out =
+          fmt::format("ends at {:.4g} V: it was stopped before the cell was empty",
+                      each.inspection->discharge->end_voltage_V);
+    }
+    std::erase_if(fast_, [](const Candidate& each) { return !each.entry->left_out.empty(); });
+  }
+
+  // A cycler stops all of them at one voltage.
+  void DoubtEndsApart(const std::vector<Candidate>& discharges, double cutoff_V) {
+    const auto ends_there = [&](const Candidate& each) {
+      const Discharge& discharge = *each.inspection->discharge;
+      return std::abs(discharge.end_voltage_V - cutoff_V) <= CutoffTolerance(discharge);
+    };
+    if (discharges.size() == 1 || CutoffWithinLastRows(discharges) > 0.0 ||
+        std::count_if(discharges.begin(), discharges.end(), ends_there) > 1)
+      return;
+    draft_.remarks.push_back(fmt::format(
+        "The discharges do not end at one voltage, and {:.4g} V is that of one of them: look the cut-off up.",
+        cutoff_V));
+  }
+
   void FindCutoffAndEnds() {
-    const std::vector<Candidate>& discharges = fast_.empty() ? slow_ : fast_;
+    std::vector<Candidate> discharges = fast_.empty() ? slow_ : fast_;
+    std::erase_if(discharges, [](const Candidate& each) { return !EndsEmpty(each); });
     if (discharges.empty()) return;
     double cutoff_V = FindCutoff(discharges);
+    DoubtEndsApart(discharges, cutoff_V);
     if (!(cutoff_V >= kLowestCutoff_V)) {
       double highest_V = 0.0;
       for (const Candidate& each : discharges)

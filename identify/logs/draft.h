@@ -4,8 +4,8 @@
 /// Drafts a campaign from inspected logs, for a person to read over.
 ///
 /// A file that holds several tests is cut into them (parts.h). A pack is known by its voltage. The
-/// cut-off is where most of the constant-current logs end; the capacity is the charge of the
-/// slowest discharge; of several low-rate logs the slowest is taken, of equally slow ones the one
+/// cut-off is where most of the constant-current logs that end empty end; the capacity is the charge of the
+/// slowest such discharge; of several low-rate logs the slowest is taken, of equally slow ones the one
 /// with the least resistance at its first edge (leads in the sense path show there). A log
 /// that rests below the others before its first load starts at a state of charge that is read from
 /// the low-rate log. Logs that do not fit stand in the text as comments with the reason. Tests: tests/identify/logs/draft_test.cc.

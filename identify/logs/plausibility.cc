@@ -240,6 +240,14 @@ void RefuseWithoutVoltage(const Record& record) {
     throw LoadError({record.file}, "expected a log with voltages, found none");
 }
 
+std::string DoubtAboutCutoff(double cutoff_V) {
+  if (!(cutoff_V > kHighestCutoff_V)) return "";
+  return fmt::format(
+      "no lithium cell is empty at {:.4g} V: the charge below this cut-off is missing in alpha; give the "
+      "cut-off of the cell as cutoff_V (--cutoff-V)",
+      cutoff_V);
+}
+
 void CheckSeries(const Record& record, const OpenCircuitVoltage& curve, int series) {
   constexpr double kFarBelow = 0.75;
   if (series == 1 || record.voltage_V.empty()) return;

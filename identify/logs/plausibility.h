@@ -21,6 +21,9 @@ inline constexpr double kMostPack_V = 2000.0;
 /// One cell, from a half cell at rest to a lithium cell under fast charge.
 inline constexpr double kMostCell_V = 6.0;
 
+/// No lithium cell is empty above it, whatever its chemistry: LFP, LTO and cells for storage are at less.
+inline constexpr double kHighestCutoff_V = 3.5;
+
 /// How many lithium cells in series have this voltage at most, in V: those of 3 to 4.45 V each.
 [[nodiscard]] int CellsInSeries(double highest_V);
 
@@ -59,6 +62,9 @@ ChargeMoved CheckPlausible(const Record& record,
                            double capacity_Ah,
                            int series = 1,
                            int parallel = 1);
+
+/// In a sentence, that a cut-off is that of no empty cell; "" where it may be.
+[[nodiscard]] std::string DoubtAboutCutoff(double cutoff_V);
 
 /// For the same record and the v_oc(A) of its cell: LoadError where every row is so far below the
 /// empty cell that the log is one of fewer cells in series than that.

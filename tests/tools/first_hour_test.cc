@@ -175,6 +175,42 @@ TEST(FirstHour, APackIsDraftedAsOneAndIdentifies) {
   EXPECT_EQ(one.exit_code, 0) << one.err;
 }
 
+// Beside them lie a text and a table that are no logs.
+TEST(FirstHour, DischargesThatWereStoppedEarlyMakeNoCellThatIsEmptyHalfWay) {
+  const auto folder = FolderWithNoisyLogs();
+  std::filesystem::create_directories(folder + "/part");
+  for (const auto& [log, end_s] :
+       {std::pair("cc_1C.csv", 1200.0), {"cc_3C.csv", 300.0}, {"pulses.csv", 12000.0}}) {
+    Rewrite(folder + "/logs/" + log,
+            folder + "/part/" + log,
+            [end = end_s](double t, double i, double v) { return t > end ? "" : Row(t, i, v); });
+  }
+  std::ofstream(folder + "/part/README") << "What was done, and when\n";
+  std::ofstream(folder + "/part/ocv.csv") << "soc,voltage_V\n0,3.0\n0.5,3.8\n1,4.2\n";
+  const auto drafted = RunLipoid(folder, {"inspect", "part", "--write-campaign", "part.toml"});
+  EXPECT_EQ(drafted.exit_code, 0) << drafted.err;
+  EXPECT_NE(drafted.err.find("part.toml: 1 log, 2 left out, 2 not used"), std::string::npos)
+      << drafted.err;
+  EXPECT_NE(drafted.err.find("read it over and give capacity_Ah and cutoff_V, which no log shows"),
+            std::string::npos)
+      << drafted.err;
+  EXPECT_FALSE(ReadCampaign(folder + "/part.toml").cutoff_V);
+  EXPECT_EQ(RunLipoid(folder, {"inspect", "part", "part/README"}).exit_code, 3);
+
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "--constant-current",
+                              "part/cc_3C.csv",
+                              "--pulses",
+                              "part/pulses.csv",
+                              "--cutoff-V",
+                              "3.53",
+                              "-o",
+                              "own.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("no lithium cell is empty at 3.53 V"), std::string::npos) << run.out;
+}
+
 TEST(FirstHour, ALogThatDoesNotStartFullIsSeen) {
   const auto folder = FolderWithNoisyLogs();
   Rewrite(folder + "/logs/pulses.csv", folder + "/half.csv", [](double t, double i, double v) {

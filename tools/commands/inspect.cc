@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "identify/logs/draft.h"
 #include "identify/logs/inspection.h"
@@ -347,8 +348,13 @@ void WriteDraft(cli::CommandLine& line,
     Campaign campaign = draft.campaign;
     campaign.file.clear();  // the message is about the logs, not about a place in the file
     CheckCampaign(campaign, false);
+    std::vector<std::string_view> missing;
+    if (!(campaign.capacity_Ah > 0.0)) missing.emplace_back("capacity_Ah");
+    if (!campaign.cutoff_V) missing.emplace_back("cutoff_V");
     line.Message("Next: read it over{}, then lipoid identify {} -o cell.json",
-                 campaign.capacity_Ah > 0.0 ? "" : " and give capacity_Ah, which no log shows",
+                 missing.empty()
+                     ? ""
+                     : fmt::format(" and give {}, which no log shows", fmt::join(missing, " and ")),
                  campaign_file);
   } catch (const OptionError& missing) {
     line.Message("These logs are not enough to identify the cell: {}", missing.what());

@@ -122,6 +122,38 @@ TEST(Draft, OfWhatIsNoCellHasNoCutOff) {
       << DraftToToml(draft);
 }
 
+// No cell is empty at 3.69 V, and none falls from full to empty by 30 mV.
+TEST(Draft, DischargesThatWereStoppedEarlyGiveNeitherCapacityNorCutOff) {
+  const auto draft = DraftCampaign({Inspected("1c.csv", Falling(4.2, 2.0, 1200.0, 3.688)),
+                                    Inspected("2c.csv", Falling(4.2, 4.0, 600.0, 3.573)),
+                                    Inspected("short.csv", Falling(3.52, 2.0, 140.0, 3.487))},
+                                   "lab",
+                                   "campaign.toml");
+  EXPECT_EQ(draft.campaign.capacity_Ah, 0.0);
+  EXPECT_FALSE(draft.campaign.cutoff_V);
+  EXPECT_TRUE(draft.campaign.logs.empty());
+  EXPECT_EQ(draft.entries[0].left_out, "ends at 3.688 V: it was stopped before the cell was empty");
+  EXPECT_EQ(
+      draft.remarks.at(0),
+      "No log discharges the cell from full to empty: look its capacity and its cut-off up and "
+      "give them as capacity_Ah and cutoff_V.");
+  // One of iron phosphate does fall little.
+  const auto lfp =
+      DraftCampaign({Inspected("1c.csv", Falling(3.35, 2.0, 3600.0, 3.0))}, "lab", "campaign.toml");
+  EXPECT_EQ(lfp.campaign.cutoff_V, 3.0);
+}
+
+TEST(Draft, DoubtsACutOffAtWhichOneDischargeEnds) {
+  const auto draft = DraftCampaign({Inspected("1c.csv", Falling(4.2, 2.0, 3500.0, 3.45)),
+                                    Inspected("2c.csv", Falling(4.2, 4.0, 1600.0, 3.3))},
+                                   "lab",
+                                   "campaign.toml");
+  EXPECT_EQ(draft.campaign.cutoff_V, 3.45);
+  EXPECT_EQ(draft.remarks.at(0),
+            "The discharges do not end at one voltage, and 3.45 V is that of one of them: look the "
+            "cut-off up.");
+}
+
 TEST(Draft, OfTwoLowRateLogsThatShowTheSameOneIsLeftOut) {
   const CampaignDraft draft = DraftCampaign(
       {Ending("lab/a.csv", 0.1, 73000.0, 3.0), Ending("lab/b.csv", 0.1, 73000.0, 3.0)},
@@ -269,7 +301,7 @@ TEST(Draft, LeavesOutACapacityThatNoLogShows) {
       {Inspected("pulse.csv", Falling(4.2, 3.0, 10.0, 4.1))}, "cell", "campaign.toml");
   EXPECT_EQ(draft.campaign.capacity_Ah, 0.0);
   EXPECT_EQ(DraftToToml(draft).find("\ncapacity_Ah"), std::string::npos);
-  EXPECT_NE(DraftToToml(draft).find("give it as capacity_Ah"), std::string::npos);
+  EXPECT_NE(DraftToToml(draft).find("give them as capacity_Ah"), std::string::npos);
 }
 
 TEST(Draft, CutsAFileIntoItsTests) {

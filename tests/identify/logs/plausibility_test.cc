@@ -141,6 +141,15 @@ TEST(Plausibility, ACurrentThatFewPacksCarryIsDoubted) {
       "say `units` (--units s,mA,V)");
 }
 
+TEST(Plausibility, NoCellIsEmptyAtAVoltageOfHalfItsCharge) {
+  EXPECT_EQ(DoubtAboutCutoff(3.5), "");
+  EXPECT_EQ(DoubtAboutCutoff(1.5), "");
+  EXPECT_EQ(
+      DoubtAboutCutoff(3.688),
+      "no lithium cell is empty at 3.688 V: the charge below this cut-off is missing in alpha; "
+      "give the cut-off of the cell as cutoff_V (--cutoff-V)");
+}
+
 TEST(Plausibility, SecondsOfAClockInMinutesAreSeen) {
   Record record;
   for (int k = 0; k < 30; ++k) record.time_s.push_back(k / 60.0);
