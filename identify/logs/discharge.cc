@@ -236,13 +236,15 @@ Discharge FindDischarge(const Record& record, double cutoff_V) {
         });
     if (lowest->voltage_V > cutoff_V + tolerance_V) {
       Refuse(record,
-             fmt::format("expected the voltage to reach the cut-off of {:.4g} V within {:.2g} mV, "
-                         "found {:.4f} V as the lowest under load, at {:.6g} s; log the discharge "
-                         "to its end, or set cutoff_V to the voltage at which it was stopped",
-                         cutoff_V,
-                         1000.0 * tolerance_V,
-                         lowest->voltage_V,
-                         lowest->time_s));
+             fmt::format(
+                 "expected the voltage to reach the cut-off of {:.4g} V within {:.2g} mV, "
+                 "found {:.4f} V as the lowest under load, at {:.6g} s; if the cell "
+                 "was empty there, set cutoff_V to that voltage; else log the discharge to its "
+                 "end, or call it one of kind \"validation\"",
+                 cutoff_V,
+                 1000.0 * tolerance_V,
+                 lowest->voltage_V,
+                 lowest->time_s));
     }
     discharge.end_s = lowest->time_s;
     discharge.end_voltage_V = lowest->voltage_V;

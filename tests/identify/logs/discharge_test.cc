@@ -132,9 +132,8 @@ TEST(Discharge, RefusesOneThatNeverReachesCutOff) {
   EXPECT_EQ(Refusal(record, 3.0),
             "synthetic.csv:1:1: error: expected the voltage to reach the cut-off of 3 V within 5 "
             "mV, found 3.2003 V "
-            "as the lowest under load, at 900 s; log the discharge to its end, or set cutoff_V to "
-            "the voltage at "
-            "which it was stopped");
+            "as the lowest under load, at 900 s; if the cell was empty there, set cutoff_V to that "
+            "voltage; else log the discharge to its end, or call it one of kind \"validation\"");
 }
 
 // A cycler stops when the voltage reaches the cut-off, which may be between two rows: a last row that
