@@ -469,7 +469,13 @@ Identification Identify(const Campaign& campaign,
   found.quality = QualityOf(found, campaign, logs);
   if (auto doubt = DoubtAboutCutoff(found.cell.cutoff_V); !doubt.empty())
     found.quality.Doubt(std::move(doubt));
-  if (!found.converged) found.quality.Doubt("the search ended before it had converged");
+  if (!found.converged) {
+    const bool cut_short =
+        found.joint && found.joint->choice.best.termination == Termination::kMaxIterations;
+    found.quality.Doubt(
+        std::string("the search ended before it had converged") +
+        (cut_short ? ", at its most iterations (joint.iterations_per_variable)" : ""));
+  }
   if (found.staged) {
     if (auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty())
       found.quality.Doubt(std::move(doubt));

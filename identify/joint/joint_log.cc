@@ -138,6 +138,8 @@ JointLog MakePoints(const LoadedLog& loaded, bool whole) {
       };
   const CondensedLog condensed(record, HowToCondense(record));
   const bool backward = record.hold == Hold::kBackward;
+  double scatter_V2 = 0.0;
+  double free_rows = 0.0;
   for (const CondensedPiece& piece : condensed.pieces()) {
     if (piece.plain()) {
       for (std::size_t k = piece.first; k < piece.first + piece.rows; ++k) {
@@ -150,6 +152,8 @@ JointLog MakePoints(const LoadedLog& loaded, bool whole) {
     const double* voltage_V = condensed.node_voltage_V(piece);
     const double before_s = record.time_s[piece.first - 1];
     const Place place = place_of(piece.first);
+    scatter_V2 += piece.remainder;
+    free_rows += static_cast<double>(piece.rows) - static_cast<double>(shape.nodes());
     for (Eigen::Index j = 0; j < shape.nodes(); ++j) {
       add(before_s + shape.node_s[j],
           piece.current_A,
@@ -181,6 +185,8 @@ JointLog MakePoints(const LoadedLog& loaded, bool whole) {
 
   FindIntervals(log);
   log.noise_V = VoltageNoise(record);
+  // Steps of a coarse voltage are scatter, and next to each other mostly none.
+  if (free_rows > 0.0) log.scatter_V = std::sqrt(scatter_V2 / free_rows);
   log.shortest_s = ShortestInterval(record.time_s);
   for (const Segment& segment : segments)
     log.longest_s = std::max(log.longest_s, segment.duration_s());

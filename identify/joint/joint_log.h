@@ -68,6 +68,7 @@ struct JointLog {
   double log_weight = 1.0;  ///< as the campaign gives it: the sum of all weights, if v_oc were flat
   std::size_t rows = 0;     ///< of the record
   double noise_V = 0.0;     ///< of a row and what its second differences have; 0: cannot be seen
+  double scatter_V = 0.0;   ///< of the rows about the points that stand for several of them, rms
   double shortest_s = 0.0;  ///< between two rows
   double longest_s = 0.0;   ///< at one current
 

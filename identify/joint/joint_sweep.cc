@@ -213,7 +213,7 @@ std::vector<std::vector<double>> SumErrors(
     const bool of_rows = size == ErrorSize::kPercentOfRows;
     const double factor = of_rows ? 100.0 * log.count[k] / log.voltage_V[k] : log.weight[k];
     const double scatter_V =
-        of_rows && log.count[k] > 1.0 ? log.noise_V * std::sqrt(1.0 - 1.0 / log.count[k]) : 0.0;
+        of_rows && log.count[k] > 1.0 ? log.scatter_V * std::sqrt(1.0 - 1.0 / log.count[k]) : 0.0;
     for (std::size_t s = 0; s < sums.size(); ++s) {
       const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
                                                      : row.Residual(candidates[s].data());
