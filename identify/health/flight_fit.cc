@@ -308,7 +308,8 @@ FlightFit FlightSearch::Fit(const SearchEnd& end) {
                    problem_.deviation.head(p).asDiagonal();
   fit.lag_deviation_s = std::sqrt(covariance(n, n));
 
-  const auto errors = flight_.ErrorsOf(at_rows.col(n), fit.lag_s);
+  fit.voltage_V = at_rows.col(n);
+  const auto errors = flight_.ErrorsOf(fit.voltage_V, fit.lag_s);
   fit.mean_error_percent = errors.mean_percent;
   fit.max_error_percent = errors.max_percent;
   return fit;

@@ -36,6 +36,7 @@ struct FlightFit {
   double lag_deviation_s = 0.0;
   ColouredNoise noise;
   FlightStart start = FlightStart::kLoaded;
+  Eigen::VectorXd voltage_V;        ///< predicted, at every row
   double mean_error_percent = 0.0;  ///< of the rows whose voltage is new
   double max_error_percent = 0.0;
   double charge_C = 0.0;  ///< from the first row to the last, as shown

@@ -7,10 +7,10 @@ structure? Campaigns of cells whose truth is known, made by the model of referen
 LIPOID is the program, FOLDER a scratch folder: logs are kept there and made only once, results go to
 FOLDER/KIND_LABEL.jsonl. `--report-only` prints the tables from there without running anything.
 
-A campaign: a 600 mAh cell, rows of 1 s, forward hold, constant currents of 1C, 2C, 3C and 4C, C/12 as
-the low rate, pulses of 4C for 30 s with 600 s of rest. The voltage has 0.2 mV of white noise and, with
-equal chances, 0, 0.2 or 0.5 mV of slow noise (Ornstein-Uhlenbeck, 10 to 300 s), each log its own. Each
-truth is drawn at random: alpha, beta, a v_oc(A) that is smooth and meets the cut-off at A = 0, r_s and
+A campaign: a 600 mAh cell, rows of 1 s, forward hold, constant currents of 1C, 2C, 3C and 4C (--rates),
+C/12 as the low rate, pulses of 4C for 30 s with 600 s of rest. The voltage has 0.2 mV of white noise and,
+with equal chances, 0, 0.2 or 0.5 mV of slow noise (Ornstein-Uhlenbeck, 10 to 300 s; --slow V,s), each log
+its own. Other --rates and --slow need a folder of their own. Each truth is drawn at random: alpha, beta, a v_oc(A) that is smooth and meets the cut-off at A = 0, r_s and
 one branch.
 
     constant   r_s and r_1 are numbers
@@ -39,7 +39,6 @@ import reference_cell  # noqa: E402
 CAPACITY_AH = 0.6
 CUTOFF_V = 3.0
 WHITE_V = 2e-4
-RATES = (1, 2, 3, 4)
 LOW_RATE = 1 / 12
 PULSE_RATE, PULSE_S, REST_S = 4, 30, 600
 
@@ -90,13 +89,15 @@ def make_cell(kind, rng):
     }
 
 
-def write_campaign(kind, seed, folder):
+def write_campaign(kind, seed, folder, args):
     """The logs of one campaign, its campaign.toml, and truth.json."""
     rng = np.random.default_rng([seed, {"constant": 0, "smooth": 1}[kind]])
     cell = make_cell(kind, rng)
     alpha = cell["diffusion"]["alpha_C"]
     slow_V = float(rng.choice([0.0, 2e-4, 5e-4]))
     slow_s = log_uniform(rng, 10.0, 300.0)
+    if args.slow:
+        slow_V, slow_s = (float(number) for number in args.slow.split(","))
     folder.mkdir(parents=True, exist_ok=True)
     lines = ["[cell]", f'name = "{cell["name"]}, seed {seed}"', f"capacity_Ah = {CAPACITY_AH}",
              f"cutoff_V = {CUTOFF_V}"]
@@ -114,9 +115,9 @@ def write_campaign(kind, seed, folder):
                    comments="", header="time_s,current_A,voltage_V", fmt=("%d", "%.6g", "%.7f"))
         lines.extend(["", "[[log]]", f'kind = "{log_kind}"', f'file = "{name}"', 'hold = "forward"'])
 
-    for rate in RATES:
+    for rate in (float(number) for number in args.rates.split(",")):
         amps = rate * CAPACITY_AH
-        write(f"cc_{rate}c.csv", "constant-current", np.full(int(1.02 * alpha / amps), amps))
+        write(f"cc_{rate:g}c.csv", "constant-current", np.full(int(1.02 * alpha / amps), amps))
     amps = LOW_RATE * CAPACITY_AH
     write("low_rate.csv", "low-rate", np.full(int(1.02 * alpha / amps), amps))
     amps = PULSE_RATE * CAPACITY_AH
@@ -189,7 +190,7 @@ def compare(summary, truth):
 def run_one(args, kind, seed):
     folder = args.folder / f"{kind}_{seed:04d}"
     if not (folder / "campaign.toml").exists():
-        write_campaign(kind, seed, folder)
+        write_campaign(kind, seed, folder, args)
     summary = folder / f"summary_{args.label}.json"
     command = [str(args.lipoid), "identify", str(folder / "campaign.toml"), "--method", "joint",
                "-o", str(folder / f"cell_{args.label}.json"), "--summary", str(summary)]
@@ -241,6 +242,8 @@ def main(arguments):
     p.add_argument("lipoid", type=pathlib.Path)
     p.add_argument("folder", type=pathlib.Path)
     p.add_argument("--kind", choices=("constant", "smooth"), action="append")
+    p.add_argument("--rates", default="1,2,3,4", help="of the constant currents, in C")
+    p.add_argument("--slow", help="V,s of the slow noise of every campaign")
     p.add_argument("--campaigns", type=int, default=200)
     p.add_argument("--first-seed", type=int, default=1)
     p.add_argument("--jobs", type=int, default=2)
