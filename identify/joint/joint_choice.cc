@@ -311,6 +311,7 @@ class Choosing {
       if (given == 0) TryNodes();
       TryBranches();
       if (best().branches > structure.branches) TrySimpler();
+      DropBranches();
       TryEntropy();
       TryHysteresisNodes();
       TryShared();
@@ -446,13 +447,11 @@ class Choosing {
       Take(k);
   }
 
-  // The resistance of the only branch over r_s.
-  [[nodiscard]] double BranchShare() const {
+  // The resistance of a branch over r_s.
+  [[nodiscard]] double BranchShare(int branch) const {
     const JointLayout layout(best());
-    const auto table = [&](int t) {
-      return choice_.best.x.segment(layout.table(t), layout.nodes()).sum();
-    };
-    return table(1) / std::max(table(0), 1e-12);
+    const auto sum = [&](int table) { return choice_.best.x.segment(table, layout.nodes()).sum(); };
+    return sum(layout.branch(branch)) / std::max(sum(layout.series()), 1e-12);
   }
 
   [[nodiscard]] const HeldShape* Held() const { return fit_.seen().setup().held.get(); }
@@ -608,13 +607,28 @@ class Choosing {
 
   void TryBranches() {
     // Every fit began with one branch, which may have found nothing.
-    if (options_.branches < 0 && best().branches == 1 && BranchShare() < kSlight) {
+    if (options_.branches < 0 && best().branches == 1 && BranchShare(0) < kSlight) {
       JointStructure simpler = best();
       simpler.branches = 0;
       Simplify(simpler);
       if (best().branches == 0) return;
     }
     AddBranches(choice_.taken);
+  }
+
+  // A branch without resistance is none, whatever it gains: what it was added for is said by the others since a
+  // term was dropped. Where the temperature takes part, resistances are those of another one.
+  void DropBranches() {
+    if (options_.branches >= 0 || best().temperature) return;
+    for (int j = best().branches - 1; j >= 0 && best().branches > 1; --j) {
+      if (BranchShare(j) > kNotFound) continue;
+      JointSolution near = choice_.best;
+      near.rates.time_constant_s.erase(near.rates.time_constant_s.begin() + j);
+      JointStructure simpler = best();
+      --simpler.branches;
+      const std::size_t k = Search(simpler, &near);
+      if (IsComplete(choice_.tried[k].solution)) Take(k);
+    }
   }
 
   // Tables and terms that were asked for beside fewer branches must be asked for beside these. What is

@@ -20,6 +20,9 @@
 
 namespace lipoid {
 
+/// A branch of less than this share of r_s was not found.
+inline constexpr double kNotFound = 1e-3;
+
 enum class Presence { kAuto, kOn, kOff };
 constexpr std::array<std::pair<Presence, std::string_view>, 3> OptionNames(Presence) {
   return {{{Presence::kAuto, "auto"}, {Presence::kOn, "on"}, {Presence::kOff, "off"}}};

@@ -810,7 +810,7 @@ class JointRun {
       const auto& r = result_.cell.branches[j].resistance_Ohm.resistance_Ohm;
       const auto& r_s = result_.cell.series_resistance_Ohm.resistance_Ohm;
       if (*std::max_element(r.begin(), r.end()) <=
-          1e-3 * *std::max_element(r_s.begin(), r_s.end())) {
+          kNotFound * *std::max_element(r_s.begin(), r_s.end())) {
         say.push_back(fmt::format(
             "branch {} was not found: its resistance went to zero, and its time constant means "
             "nothing",
