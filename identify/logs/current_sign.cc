@@ -446,11 +446,12 @@ SignFinding FindSignFromPhysics(const Record& record) {
   const double of_rise = 0.5 * rise * rise;
   const auto both_ways = [&]() -> SignFinding {
     const std::string where = WhereBothWays(record);
-    return {CurrentSign::kUnclear,
-            fmt::format("the voltage {}, as if the current had no sign",
-                        where.empty() ? "falls with the current in some places and rises in others"
-                                      : where),
-            true};
+    return {
+        CurrentSign::kUnclear,
+        fmt::format(
+            "the voltage {}, as if the current had no sign or another pack began in between",
+            where.empty() ? "falls with the current in some places and rises in others" : where),
+        true};
   };
   if (!(std::abs(sum) >= kDecisive)) {  // NaN too, of numbers that overflow
     if (look.one_sided && of_rise > kDecisive) return both_ways();

@@ -58,7 +58,7 @@ TEST(GainDesign, OfARegulatorSearchesItsWeights) {
   design.options.proportional_bound = design.options.integral_bound =
       design.options.derivative_bound = 20.0;
   const GainProblem problem(design, 10.0);
-  const Eigen::Vector3d x(0.3, 0.4, 0.1);
+  const Eigen::Vector3d x(0.09, 0.4, 0.01);
   const ErrorGains gains = problem.Gains(x);
   EXPECT_NEAR(gains.integral, 8.0, 1e-9);
   EXPECT_NEAR(gains.proportional * gains.proportional - 16.0 * gains.derivative, 36.0, 1e-8);
