@@ -72,6 +72,35 @@ TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
   EXPECT_EQ(summary.at("stages").at("pulses").at("termination"), "converged");
 }
 
+// A charge transfer that is dropped again leaves a second branch behind it, of next to no resistance, which gains a
+// little by what the modes of diffusion leave out. It is none.
+TEST(Identify, JointFindsTheTruthsOneBranchWhereASecondHasNoResistance) {
+  const auto folder = TestFolder();
+  ASSERT_EQ(RunLipoid(folder,
+                      {"synthesize",
+                       "grepow-32Ah-1",
+                       "--with",
+                       "r_1=0.0005,c_1=60000",
+                       "--rates-C",
+                       "1,2,3,4,5,6,7,8",
+                       "--voltage-noise-V",
+                       "0.0002",
+                       "--voltage-resolution-V",
+                       "0.00001",
+                       "--seed",
+                       "1",
+                       "--quiet",
+                       "-o",
+                       "logs"})
+                .exit_code,
+            0);
+  const auto run = RunLipoid(folder, {"identify", "logs/campaign.toml", "-o", "cell.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json cell = ReadJson(folder, "cell.json");
+  ASSERT_EQ(cell.at("branches").size(), 1U);
+  EXPECT_NEAR(cell.at("branches").at(0).at("resistance_Ohm").get<double>(), 5e-4, 1e-7);
+}
+
 // All logs at once: no capacity and no curve is given, and the noise is all that is left.
 TEST(Identify, JointFindsTheTruthAndSaysHowFarToBelieveIt) {
   const auto folder = TestFolder();

@@ -22,7 +22,7 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/loaded_cell.h"
-#include "tools/report/thinned_series.h"
+#include "tools/report/report.h"
 
 namespace lipoid {
 namespace {
@@ -104,8 +104,6 @@ std::vector<std::string> CheckOutputs(cli::CommandLine& line,
   return outputs;
 }
 
-constexpr std::size_t kBytesOfPage = 1'500'000;
-
 // What the page of `--report` draws: the cell and the target's law over the mission.
 Series Drawn(const ExportRequest& request, const Exported& exported) {
   const ExportMission& mission = request.mission;
@@ -115,7 +113,7 @@ Series Drawn(const ExportRequest& request, const Exported& exported) {
                     {"cell_V", ReferenceOf(request).voltage_V},
                     {"exported_V", exported.error->law_V}};
   if (exported.naive) series.columns.push_back({"naive_V", exported.naive->law_V});
-  return Thinned(series, kBytesOfPage);
+  return series;
 }
 
 }  // namespace

@@ -22,7 +22,7 @@
 #include "tools/commands/ensemble_option.h"
 #include "tools/commands/loaded_cell.h"
 #include "tools/commands/surroundings_options.h"
-#include "tools/report/thinned_series.h"
+#include "tools/report/report.h"
 
 namespace lipoid {
 namespace {
@@ -98,8 +98,6 @@ class Walk {
   Way way_;
 };
 
-constexpr std::size_t kBytesOfPage = 1'500'000;
-
 // What the page of `--report` draws of the rows that a log holds in memory, before the cut-off.
 Series Simulated(const Record& record,
                  const Surroundings& surroundings,
@@ -131,7 +129,7 @@ Series Simulated(const Record& record,
   add("temperature_degC", temperature_degC);
   add("voltage_low_V", band.voltage_low_V);
   add("voltage_high_V", band.voltage_high_V);
-  return Thinned(series, kBytesOfPage);
+  return series;
 }
 
 }  // namespace

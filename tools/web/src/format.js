@@ -50,3 +50,9 @@ export function fileStem(text) {
   const stem = String(text).normalize("NFKD").toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "");
   return stem.slice(0, 80) || "chart";
 }
+
+/** "1.2 to 1.4" of a pair of numbers, each times a factor; null where one is not known. */
+export function interval(pair, factor = 1, digits = 3) {
+  const known = Array.isArray(pair) && pair.every(Number.isFinite);
+  return known ? `${significant(factor * pair[0], digits)} to ${significant(factor * pair[1], digits)}` : null;
+}

@@ -1,8 +1,8 @@
 // `lipoid ageing`: what changed between cells of several ages.
 import { lineChart } from "../chart.js";
 import { facts, note, notice, section } from "../dom.js";
-import { baseName, plural, significant } from "../format.js";
-import { isNumber, listOf, times } from "../numbers.js";
+import { baseName, interval, plural } from "../format.js";
+import { listOf, times } from "../numbers.js";
 import { table } from "../table.js";
 
 const WORDS = { capacity: "Capacity", beta: "beta of the diffusion" };
@@ -10,8 +10,6 @@ const words = (name) => WORDS[name] ?? name.replace(/^resistance_(\d+)s$/, "Resi
 
 // Resistances are of milliohms.
 const scaled = ({ unit, at }) => (unit === "Ohm" ? { unit: "mΩ", factor: 1e3, at } : { unit, factor: 1, at });
-
-const range = (pair) => (listOf(pair).every(isNumber) && pair?.length === 2 ? `${significant(pair[0], 3)} to ${significant(pair[1], 3)}` : null);
 
 function overAges(quantity, ages) {
   const { unit, factor, at } = scaled(quantity);
@@ -33,7 +31,7 @@ function overAges(quantity, ages) {
         { title: "95 % from", of: ({ interval_95 }) => times(factor, interval_95?.[0]) },
         { title: "to", of: ({ interval_95 }) => times(factor, interval_95?.[1]) },
         { title: "change / %", of: ({ change_percent, verdict }) => (verdict === "first" ? null : change_percent), digits: 3 },
-        { title: "its 95 %", of: (row) => range(row.change_interval_95_percent), class: "number" },
+        { title: "its 95 %", of: (row) => interval(row.change_interval_95_percent), class: "number" },
         { title: "verdict", of: ({ verdict }) => verdict },
       ],
       at.map((value, k) => ({ age: ages[k], ...value })),

@@ -1,12 +1,9 @@
 // `lipoid health`: capacity and resistance of a pack by flights on it, each with its interval, and over the flights.
 import { lineChart } from "../chart.js";
 import { element, facts, note, notice, section } from "../dom.js";
-import { baseName, duration, plural, significant } from "../format.js";
+import { baseName, duration, interval, plural, significant } from "../format.js";
 import { isNumber, listOf, times } from "../numbers.js";
 import { table } from "../table.js";
-
-const interval = (pair, factor = 1, digits = 3) =>
-  (Array.isArray(pair) && pair.every(isNumber) ? `${significant(factor * pair[0], digits)} to ${significant(factor * pair[1], digits)}` : null);
 
 // What stands under an interval's name: "soc_start_interval_95", or with the unit's place taken, "capacity_interval_95".
 const intervalOf = (one, name) => one[`${name}_interval_95`] ?? one[`${name.replace(/_[A-Za-z]+$/, "")}_interval_95`];
