@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numeric>
 #include <set>
+#include <vector>
 
 #include "model/battery/cell_file.h"
 #include "tests/support/synthetic_campaign.h"
@@ -64,6 +66,25 @@ TEST(JointLog, SeesTheNoiseOfTheInstrument) {
   const auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 10.0, 0.0002);
   // The least of five estimates, of which those of slow rows see some curvature too.
   EXPECT_NEAR(MakeJointLogs(logs, 1350.0, Flat(), {}).noise_V, 0.0002, 0.00003);
+}
+
+// Neighbouring rows of a coarse voltage are mostly equal, and yet each is off by up to half a step.
+TEST(JointLog, SeesHowFarRowsScatterAboutTheirPoints) {
+  constexpr double kStep_V = 1e-3;
+  auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 0.1);
+  for (LoadedLog& log : logs) {
+    std::vector<double> voltage_V;
+    for (const double v : log.log.record.voltage_V)
+      voltage_V.push_back(kStep_V * std::round(v / kStep_V));
+    log.log.record.voltage_V = voltage_V;
+  }
+  // Uniform over a step.
+  const double expected_V = kStep_V / std::sqrt(12.0);
+  for (const JointLog& log : MakeJointLogs(logs, 1350.0, Flat(), {}).logs) {
+    if (log.kind == LogKind::kPulses) continue;  // at rest it stays within one step
+    EXPECT_NEAR(log.scatter_V, expected_V, 0.05 * expected_V) << log.file;
+    EXPECT_LT(log.noise_V, 0.5 * expected_V) << log.file;
+  }
 }
 
 TEST(JointLog, ValidationTakesNoPart) {
