@@ -84,7 +84,7 @@ void FitLowRateLog(benchmark::State& state) {
     fit = FitOpenCircuitVoltage(
         record, cell.diffusion->alpha_C, 1.0, {.method = static_cast<OcvMethod>(state.range(0))});
   }
-  if (!(fit.rmse_V < 0.02)) state.SkipWithError("the curve is not that of the log");
+  if (!(fit.errors.rmse < 0.02)) state.SkipWithError("the curve is not that of the log");
   state.SetItemsProcessed(static_cast<std::int64_t>(record.size()) * state.iterations());
 }
 BENCHMARK(FitLowRateLog)->ArgName("method")->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
