@@ -36,6 +36,7 @@ JointLogs TestOf(const JointRates& rates,
     log.count.push_back(weight);
     log.weight.push_back(weight);
     log.group.push_back(JointLog::kAlways);
+    log.stretch.push_back(JointLog::kAlways);
     log.unit.push_back(JointLog::kAlways);
   };
   add(0.0, 0.0, 0.0, 1.0);

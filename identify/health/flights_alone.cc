@@ -54,6 +54,7 @@ JointLog PointsOf(const FlightSamples& flight, const LoadedLog& loaded, double a
     log.count.push_back(1.0);
     log.weight.push_back(log.log_weight / static_cast<double>(n));
     log.group.push_back(JointLog::kAlways);
+    log.stretch.push_back(JointLog::kAlways);
     log.unit.push_back(JointLog::kAlways);
     log.interval_s.push_back(step_s);
     log.interval.push_back(static_cast<std::uint32_t>(w));

@@ -193,14 +193,13 @@ std::string Describe(const JointStructure& s) {
 
 // Whether a richer structure is worth it. What fits as well as the noise lets it can only be
 // overtaken by following the noise. Discharges that are left out whole are an experiment of their
-// own: the richer structure is asked for where it predicts them better by more than chance. Pieces
-// share what disturbed their log with their neighbours, and the thresholds above decide.
+// own: the richer structure is asked for where it predicts them better by more than chance. Stretches of
+// few discharges are too few for that, and kGain decides.
 bool IsAskedFor(const LeftOutErrors& rich, const LeftOutErrors& simple, const JointLogs& logs) {
   if (simple.fitted_V <= kFinest_V) return false;
   if (logs.whole) return CompareErrors(simple.unit_V, rich.unit_V, logs.unit_weight).AskedFor();
   if (simple.fitted_V <= kAtTheNoise * logs.noise_mean_V) return false;
-  if (rich.expected_V < (1.0 - kGain) * simple.expected_V) return true;
-  return rich.expected_V < simple.expected_V && FitsBetter(rich, simple);
+  return rich.expected_V < (1.0 - kGain) * simple.expected_V;
 }
 
 std::vector<double> ResistanceNodes(int count) {
@@ -674,7 +673,11 @@ class Choosing {
     if (voltage_soc_.empty() || options_.voltage_nodes != 0) return;
     JointStructure finer = best();
     finer.voltage_soc = Halved(voltage_soc_);
-    Judge(Assess(AtFoundRates(finer, rough_)));
+    const std::size_t k = Judge(Assess(AtFoundRates(finer, rough_)));
+    const LeftOutErrors& errors = choice_.tried[k].errors;
+    if (k != choice_.taken && !logs_.whole && choice_.errors.fitted_V > kFinest_V &&
+        errors.expected_V < choice_.errors.expected_V && FitsBetter(errors, choice_.errors))
+      Take(k);
   }
 
   // At each node the logs may hardly tell r_s from a branch, and then noise divides their sum: one

@@ -15,13 +15,12 @@
 namespace lipoid {
 namespace {
 
-// Every fifth pulse, or every fifth of sixty pieces of a discharge, are left out together: what is
-// left covers all states of charge at the same currents. The ends of a discharge stay: beyond them
-// there is nothing to predict from.
+// Every fifth pulse, and every fifth of sixty pieces of a discharge or twelve neighbouring ones, are left
+// out together. The ends of a discharge stay: beyond them there is nothing to predict from.
 constexpr int kGroups = 5;
 constexpr int kPieces = 60;
 // Neighbouring pieces are compared together, so that errors of units hardly depend on each other.
-constexpr int kPiecesOfUnit = 5;
+constexpr int kPiecesOfUnit = 6;
 // Logs of up to so many rows are taken as they are.
 constexpr std::size_t kShortLog = 2500;
 // Blocks take no more than this share of a log's rows, so that v_oc(A) is seen in detail.
@@ -95,7 +94,7 @@ void FindIntervals(JointLog& log) {
   }
 }
 
-JointLog MakePoints(const LoadedLog& loaded, bool whole) {
+JointLog MakePoints(const LoadedLog& loaded, const JointLogs& all) {
   const Record& record = loaded.log.record;
   JointLog log;
   log.file = loaded.entry.file;
@@ -110,21 +109,26 @@ JointLog MakePoints(const LoadedLog& loaded, bool whole) {
   const double from_s = record.time_s.front();
   const double length_s = record.time_s.back() - from_s;
   struct Place {
-    int group, unit;
+    int group = JointLog::kAlways;
+    int stretch = JointLog::kAlways;
+    int unit = JointLog::kAlways;
   };
   const auto place_of = [&](std::size_t row) -> Place {
-    if (log.kind == LogKind::kLowRate) return {JointLog::kAlways, JointLog::kAlways};
+    if (log.kind == LogKind::kLowRate) return {};
     // A slow charge is left out in pieces: it alone shows v_oc from that side.
     if (log.kind == LogKind::kConstantCurrent || log.kind == LogKind::kLowRateCharge) {
       const double share = (record.time_s[row] - from_s) / length_s;
       const int piece = std::min(static_cast<int>(share * kPieces), kPieces - 1);
-      if (piece == 0 || piece >= kPieces - 2) return {JointLog::kAlways, JointLog::kAlways};
-      const bool at_once = whole && log.kind == LogKind::kConstantCurrent;
-      return {at_once ? 0 : piece % kGroups, piece / kPiecesOfUnit};
+      if (piece == 0 || piece >= kPieces - 2) return {};
+      const int unit = piece / kPiecesOfUnit;
+      const int group = piece % kGroups;
+      if (log.kind == LogKind::kLowRateCharge) return {group, group, unit};
+      if (all.whole) return {0, 0, unit};
+      return {group, all.stretched ? piece * kGroups / kPieces : group, unit};
     }
     const auto after = std::upper_bound(starts.begin(), starts.end(), row);
     const int pulse = std::max<int>(static_cast<int>(after - starts.begin()) - 1, 0);
-    return {pulse % kGroups, pulse};
+    return {pulse % kGroups, pulse % kGroups, pulse};
   };
   const auto add =
       [&](double time_s, double step_A, double current_A, double v, double w, Place at) {
@@ -134,6 +138,7 @@ JointLog MakePoints(const LoadedLog& loaded, bool whole) {
         log.voltage_V.push_back(v);
         log.count.push_back(w);
         log.group.push_back(at.group);
+        log.stretch.push_back(at.stretch);
         log.unit.push_back(at.unit);
       };
   const CondensedLog condensed(record, HowToCondense(record));
@@ -237,16 +242,20 @@ void WeighLog(JointLog& log,
 void NumberGroups(JointLogs& all) {
   for (JointLog& log : all.logs) {
     int last_group = -1;
+    int last_stretch = -1;
     int last_unit = -1;
     const auto first_unit = static_cast<int>(all.unit_weight.size());
     for (std::size_t k = 0; k < log.size(); ++k) {
       if (log.group[k] == JointLog::kAlways) continue;
       last_group = std::max(last_group, log.group[k]);
       last_unit = std::max(last_unit, log.unit[k]);
+      last_stretch = std::max(last_stretch, log.stretch[k]);
       log.group[k] += all.groups;
+      log.stretch[k] += all.stretches;
       log.unit[k] += first_unit;
     }
     all.groups += last_group + 1;
+    all.stretches += last_stretch + 1;
     all.unit_weight.resize(static_cast<std::size_t>(first_unit + last_unit + 1), 0.0);
   }
 }
@@ -364,8 +373,13 @@ JointLogs MakeJointPoints(const std::vector<LoadedLog>& logs, std::optional<LogK
   }
   JointLogs all;
   all.logs.resize(used.size());
-  all.whole = DifferentCurrents(used) >= kWholeCurrents;
-  ParallelFor(used.size(), [&](std::size_t l) { all.logs[l] = MakePoints(*used[l], all.whole); });
+  const int currents = DifferentCurrents(used);
+  all.whole = currents >= kWholeCurrents;
+  all.stretched =
+      !all.whole && currents > 1 && std::any_of(used.begin(), used.end(), [](const LoadedLog* log) {
+        return log->entry.kind == LogKind::kLowRate;
+      });
+  ParallelFor(used.size(), [&](std::size_t l) { all.logs[l] = MakePoints(*used[l], all); });
   if (std::none_of(all.logs.begin(),
                    all.logs.end(),
                    [](const JointLog& log) { return log.temperature_K.empty(); }) &&

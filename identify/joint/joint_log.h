@@ -13,11 +13,14 @@
 /// in the campaign says, whatever the number of its rows.
 ///
 /// Every fifth pulse with the rest behind it, and every fifth of sixty pieces of a discharge, are
-/// left out together. Where there are discharges at kWholeCurrents currents each is left out whole,
-/// but for its ends: what disturbed a log for minutes is then not learned from its neighbouring
-/// pieces, and the others still tell how the voltage goes with the current. Errors of what is left
-/// out are compared unit by unit (paired_errors.h): a pulse with its rest, or five neighbouring
-/// pieces of a discharge.
+/// left out together to see how smooth the tables are, for which the near neighbours count. Structures
+/// are compared by what is left out in stretches, a fifth of a discharge each: what disturbed a log for
+/// minutes is then not learned from the pieces next to it (h-block cross-validation; Burman, Chow and
+/// Nolan 1994). Without a log of low rate and a discharge at another current hardly anything
+/// shows what a cell is like there, and the pieces serve. Where there are discharges at kWholeCurrents currents each is left out whole, but for
+/// its ends: the others still tell how the voltage goes with the current. Errors of what is left out
+/// are compared unit by unit (paired_errors.h): a pulse with its rest, or six neighbouring pieces of a
+/// discharge.
 /// Tests: tests/identify/joint/joint_log_test.cc.
 
 #include <cstddef>
@@ -49,8 +52,8 @@ struct JointLog {
   double delivered_C = 0.0;  ///< before the first point: alpha (1 - initial_soc)
   /// One entry per point: the current that flowed since the point before, the current at the point,
   /// what was measured there, the number of rows it stands for (0: only a point on the way), their
-  /// weight in the sum of squares, the group in which it is left out, and the unit in which its
-  /// error is compared then.
+  /// weight in the sum of squares, the group of pieces and the stretch in which it is left out, and
+  /// the unit in which its error is compared then.
   std::vector<double> time_s;
   std::vector<double> step_A;
   std::vector<double> current_A;
@@ -59,6 +62,7 @@ struct JointLog {
   std::vector<double> count;
   std::vector<double> weight;
   std::vector<int> group;
+  std::vector<int> stretch;
   std::vector<int> unit;
   /// The steps between points have few lengths: each once, and of every point which one leads to it.
   /// Where the temperature is known, that at the start of the step belongs to it.
@@ -78,10 +82,21 @@ struct JointLog {
 /// Different constant currents from which on discharges are left out whole.
 inline constexpr int kWholeCurrents = 4;
 
+/// Which points are left out together: those of one number, 0 .. groups - 1, or kAlways.
+struct Grouping {
+  std::vector<int> JointLog::*of;
+  int groups;
+};
+
 struct JointLogs {
   std::vector<JointLog> logs;
-  int groups = 0;      ///< that can be left out
+  int groups = 0;      ///< of pieces that can be left out
+  int stretches = 0;   ///< that can be left out
   bool whole = false;  ///< discharges are left out whole
+  /// Structures are compared by stretches that are not the pieces: other logs show what is there.
+  bool stretched = false;
+  [[nodiscard]] Grouping Pieces() const { return {&JointLog::group, groups}; }
+  [[nodiscard]] Grouping Stretches() const { return {&JointLog::stretch, stretches}; }
   /// Weight of each unit.
   std::vector<double> unit_weight;
   double weight_sum = 0.0;  ///< over all logs

@@ -171,13 +171,14 @@ SocTrace TraceSoc(const JointLogs& logs,
   return trace;
 }
 
-std::vector<NormalEquations> SumGroups(const AtRates& sweep) {
+std::vector<NormalEquations> SumGroups(const AtRates& sweep, const Grouping& by) {
   const JointLogs& logs = sweep.logs;
   const int n = JointLayout(sweep.structure).size();
-  std::vector<NormalEquations> sums(static_cast<std::size_t>(logs.groups) + 1, NormalEquations(n));
+  std::vector<NormalEquations> sums(static_cast<std::size_t>(by.groups) + 1, NormalEquations(n));
   VisitRows(sweep, [&](std::size_t l, std::size_t k, const CellRow& row) {
     const JointLog& log = logs.logs[l];
-    const int group = log.group[k] == JointLog::kAlways ? logs.groups : log.group[k];
+    const int of = (log.*by.of)[k];
+    const int group = of == JointLog::kAlways ? by.groups : of;
     sums[static_cast<std::size_t>(group)].Add(log.weight[k], row);
   });
   return sums;
@@ -199,6 +200,7 @@ double MeanSize(double mean, double scatter) {
 
 std::vector<std::vector<double>> SumErrors(
     const AtRates& sweep,
+    const Grouping& by,
     const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
     ErrorSize size,
     std::vector<double>* always) {
@@ -207,9 +209,10 @@ std::vector<std::vector<double>> SumErrors(
                                         std::vector<double>(logs.unit_weight.size(), 0.0));
   VisitRows(sweep, [&](std::size_t l, std::size_t k, const CellRow& row) {
     const JointLog& log = logs.logs[l];
-    const bool stays = log.group[k] == JointLog::kAlways;
+    const int group = (log.*by.of)[k];
+    const bool stays = group == JointLog::kAlways;
     if (stays && always == nullptr) return;
-    const auto& candidates = unknowns[stays ? 0 : static_cast<std::size_t>(log.group[k])];
+    const auto& candidates = unknowns[stays ? 0 : static_cast<std::size_t>(group)];
     const bool of_rows = size == ErrorSize::kPercentOfRows;
     const double factor = of_rows ? 100.0 * log.count[k] / log.voltage_V[k] : log.weight[k];
     const double scatter_V =

@@ -45,9 +45,9 @@ struct AtRates {
   const JointRates& rates;
 };
 
-/// Of each group 0 .. logs.groups - 1, then of the rows that are never left out. Unknowns as in
+/// Of each group 0 .. by.groups - 1, then of the rows that are never left out. Unknowns as in
 /// JointLayout; voltages are those of the nodes above the reference's at the nodes.
-[[nodiscard]] std::vector<NormalEquations> SumGroups(const AtRates& sweep);
+[[nodiscard]] std::vector<NormalEquations> SumGroups(const AtRates& sweep, const Grouping& by);
 
 /// What of an error counts: its size times the weight of its row, or its size in percent of the
 /// voltage, of every row the same.
@@ -58,6 +58,7 @@ enum class ErrorSize { kWeighted_V, kPercentOfRows };
 /// infinitely wrong. To `always`, one sum per log, what is in no group is added, by the first group's unknowns.
 [[nodiscard]] std::vector<std::vector<double>> SumErrors(
     const AtRates& sweep,
+    const Grouping& by,
     const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
     ErrorSize size = ErrorSize::kWeighted_V,
     std::vector<double>* always = nullptr);
@@ -74,10 +75,13 @@ class JointObservations : public Observations {
                                              const JointRates& rates,
                                              const Eigen::VectorXd& x,
                                              CurveSlope curve) const;
+  /// With the smooth one. The straight lines' own slopes saw about it from node to node, and as no
+  /// smooth term follows a saw, what it says of beta would count as known: the cost itself, whose
+  /// kinks move along, does not rise by it.
   [[nodiscard]] std::vector<FittedRows> Rows(const JointStructure& structure,
                                              const JointRates& rates,
                                              const Eigen::VectorXd& x) const override {
-    return Rows(structure, rates, x, CurveSlope::kOfSegments);
+    return Rows(structure, rates, x, CurveSlope::kSmooth);
   }
   [[nodiscard]] const JointSetup& setup() const override { return setup_; }
   [[nodiscard]] const FitScales& scales() const override { return scales_; }

@@ -23,13 +23,14 @@ struct Held {
 
 Held SolveWithoutEach(const JointFit& fit,
                       const AtRates& sweep,
+                      const Grouping& by,
                       const std::vector<double>& ladder) {
-  const auto sums = SumGroups(sweep);
+  const auto sums = SumGroups(sweep, by);
   const JointStructure& structure = sweep.structure;
   const JointRates& rates = sweep.rates;
   Held held;
   NormalEquations total = sums.back();
-  for (int g = 0; g < sweep.logs.groups; ++g) {
+  for (int g = 0; g < by.groups; ++g) {
     total.Add(sums[g]);
     held.weight += sums[g].weight;
   }
@@ -40,7 +41,7 @@ Held SolveWithoutEach(const JointFit& fit,
     held.whole.push_back(std::move(solution.x));
     guess.push_back(std::move(solution.active));
   }
-  held.without.resize(static_cast<std::size_t>(sweep.logs.groups));
+  held.without.resize(static_cast<std::size_t>(by.groups));
   ParallelFor(held.without.size(), [&](std::size_t g) {
     NormalEquations rest = total;
     rest.Add(sums[g], -1.0);
@@ -63,29 +64,33 @@ LeftOutErrors LeaveOut(const JointFit& fit,
   const JointSetup& setup = fit.seen().setup();
   const SocTrace soc = TraceSoc(logs, setup, rates);
   const AtRates sweep{logs, setup, structure, soc, rates};
-  const Held held = SolveWithoutEach(fit, sweep, ladder);
+  const Held held = SolveWithoutEach(fit, sweep, logs.Pieces(), ladder);
   const double weight = held.weight;
   const auto total_of = [&](const std::vector<double>& units) {
     return std::accumulate(units.begin(), units.end(), 0.0) / weight;
   };
-  const auto fitted = SumErrors(sweep, std::vector(held.without.size(), held.whole));
-  const auto errors = SumErrors(sweep, held.without);
+  const auto fitted = SumErrors(sweep, logs.Pieces(), std::vector(held.without.size(), held.whole));
+  const auto errors = SumErrors(sweep, logs.Pieces(), held.without);
+  const auto errors_of =
+      [&](std::size_t s, const std::vector<double>& with, const std::vector<double>& without) {
+        LeftOutErrors one{
+            .smoothness = ladder[s], .fitted_V = total_of(with), .left_out_V = total_of(without)};
+        one.expected_V = kFitted * one.fitted_V + (1.0 - kFitted) * one.left_out_V;
+        for (std::size_t u = 0; u < with.size(); ++u)
+          one.unit_V.push_back(kFitted * with[u] + (1.0 - kFitted) * without[u]);
+        return one;
+      };
   std::vector<LeftOutErrors> all;
-  for (std::size_t s = 0; s < ladder.size(); ++s) {
-    LeftOutErrors& one = all.emplace_back();
-    one.smoothness = ladder[s];
-    one.fitted_V = total_of(fitted[s]);
-    one.left_out_V = total_of(errors[s]);
-    one.expected_V = kFitted * one.fitted_V + (1.0 - kFitted) * one.left_out_V;
-    for (std::size_t u = 0; u < errors[s].size(); ++u)
-      one.unit_V.push_back(kFitted * fitted[s][u] + (1.0 - kFitted) * errors[s][u]);
-  }
+  for (std::size_t s = 0; s < ladder.size(); ++s) all.push_back(errors_of(s, fitted[s], errors[s]));
   double least_V = std::numeric_limits<double>::infinity();
   for (const LeftOutErrors& one : all) least_V = std::min(least_V, one.expected_V);
-  for (const LeftOutErrors& one : all) {
-    if (one.expected_V <= (1.0 + kSmoothnessLoss) * least_V) return one;
-  }
-  return best;
+  std::size_t taken = 0;
+  while (taken + 1 < all.size() && !(all[taken].expected_V <= (1.0 + kSmoothnessLoss) * least_V))
+    ++taken;
+  if (!logs.stretched) return all[taken];
+  const Held apart = SolveWithoutEach(fit, sweep, logs.Stretches(), {ladder[taken]});
+  const auto far = SumErrors(sweep, logs.Stretches(), apart.without);
+  return errors_of(taken, fitted[taken], far[0]);
 }
 
 ExpectedError ExpectError(const JointFit& fit,
@@ -96,10 +101,10 @@ ExpectedError ExpectError(const JointFit& fit,
   const JointSetup& setup = fit.seen().setup();
   const SocTrace soc = TraceSoc(logs, setup, solution.rates);
   const AtRates sweep{logs, setup, solution.structure, soc, solution.rates};
-  const Held held = SolveWithoutEach(fit, sweep, {solution.smoothness});
+  const Held held = SolveWithoutEach(fit, sweep, logs.Pieces(), {solution.smoothness});
   const auto percent = [&](const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
                            std::vector<double>* always = nullptr) {
-    return SumErrors(sweep, unknowns, ErrorSize::kPercentOfRows, always)[0];
+    return SumErrors(sweep, logs.Pieces(), unknowns, ErrorSize::kPercentOfRows, always)[0];
   };
   // Ends of discharges and slow ones are in no group: of them the fitted errors count.
   std::vector<double> always(logs.logs.size(), 0.0);

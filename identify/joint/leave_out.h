@@ -29,8 +29,8 @@ struct LeftOutErrors {
 /// the least such is taken, as it follows the data most closely.
 inline constexpr double kSmoothnessLoss = 0.02;
 
-/// The least smoothness of the rising ladder that predicts held-out rows as well as any, but for
-/// kSmoothnessLoss. `fit` is one of these logs.
+/// The least smoothness of the rising ladder that predicts left-out pieces as well as any, but for
+/// kSmoothnessLoss, and what is to be expected of left-out stretches with it. `fit` is one of these logs.
 [[nodiscard]] LeftOutErrors LeaveOut(const JointFit& fit,
                                      const JointLogs& logs,
                                      const JointStructure& structure,

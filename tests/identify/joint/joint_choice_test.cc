@@ -30,23 +30,30 @@ TEST(JointChoice, TakesTheSimplestStructureWhereNothingRicherIsThere) {
 }
 
 // Noise that lasts for minutes looks like a structure to rows beside it, and like nothing to other
-// logs: with discharges at four currents each is left out whole. Chance asks for one of half a dozen
-// structures in one campaign of eight, for more than two in one run of a hundred.
-TEST(JointChoice, SlowNoiseIsNoStructureWhereDischargesAreLeftOutWhole) {
-  const Cell truth = Truth();
-  int simple = 0;
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    auto logs = test::SyntheticLogs(truth, 5.0);
-    logs.push_back(test::AsLog(LogKind::kConstantCurrent,
-                               test::SimulateLog(
-                                   truth, 5.0, 7200.0, [](double) { return 1.2; }, "cc_2C.csv")));
-    test::AddColouredNoise(logs, 0.0002, 0.0005, seed);
-    const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
-    const JointStructure& s = result.choice.best.structure;
-    if (s.nodes() == 1 && s.branches == 1 && !s.self_heating && !s.charge_transfer) ++simple;
+// logs: with discharges at four currents each is left out whole, with fewer a fifth of one at a time.
+// Chance asks for one of half a dozen structures in one campaign of eight, for more than two in one run
+// of a hundred. Three discharges, one of ten minutes, tell less: none of the eight was found constant
+// when every fifth piece was left out, five are.
+TEST(JointChoice, SlowNoiseIsNoStructure) {
+  for (const bool four_currents : {true, false}) {
+    const Cell truth = Truth();
+    int simple = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+      auto logs = test::SyntheticLogs(truth, 5.0);
+      if (four_currents) {
+        logs.push_back(
+            test::AsLog(LogKind::kConstantCurrent,
+                        test::SimulateLog(
+                            truth, 5.0, 7200.0, [](double) { return 1.2; }, "cc_2C.csv")));
+      }
+      test::AddColouredNoise(logs, 0.0002, 0.0005, seed);
+      const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
+      const JointStructure& s = result.choice.best.structure;
+      if (s.nodes() == 1 && s.branches == 1 && !s.self_heating && !s.charge_transfer) ++simple;
+    }
+    EXPECT_GE(simple, four_currents ? 6 : 4);
+    fmt::print("{} of 8 found constant, with one branch\n", simple);
   }
-  EXPECT_GE(simple, 6);
-  fmt::print("{} of 8 found constant, with one branch\n", simple);
 }
 
 TEST(JointChoice, TakesTablesWhereResistancesRiseTowardsEmpty) {

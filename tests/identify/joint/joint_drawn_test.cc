@@ -49,12 +49,16 @@ Eigen::VectorXd Unknowns(const JointResult& result, Eigen::Index rates) {
 TEST(JointDrawn, KeepsTheSumOfResistances) {
   const auto folder = test::FreshFolder("joint_drawn.sum");
   RunRecord run;
-  run.seed = 203;
+  run.seed = 205;
   Synthesize(
       test::Truth(), kProtocols[0], {.sampling_s = 2.0, .voltage_noise_V = 0.001}, run, folder);
   const auto logs = LoadCampaign(ReadCampaign(folder + "/campaign.toml"));
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
-  ASSERT_EQ(result.cell.branches.size(), 2U);
+  const auto& tried = result.choice.tried;
+  ASSERT_TRUE(std::any_of(tried.begin(), tried.end(), [&](const TriedStructure& row) {
+    return row.solution.structure.branches != result.choice.best.structure.branches &&
+           row.weight > 0.2;
+  }));
   const TrustReport trust = AssessJoint(result);
   const auto of = UncertaintyOf(trust, result.cell, SocFollowsAlpha(result)).found;
   ASSERT_TRUE(of.has_value());

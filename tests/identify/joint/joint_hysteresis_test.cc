@@ -83,7 +83,8 @@ TEST(JointHysteresis, SlopesAreThoseOfRiddersDifferences) {
   const JointLogs joint =
       MakeJointLogs(std::vector{log}, setup.alpha_C, setup.open_circuit_voltage, {});
   const JointObservations seen(joint, setup);
-  const auto rows = seen.Rows(e.structure, e.rates, UnknownsOf(e, joint.typical_A));
+  const auto rows =
+      seen.Rows(e.structure, e.rates, UnknownsOf(e, joint.typical_A), CurveSlope::kOfSegments);
   const RateSlots slots(e.structure);
   ASSERT_EQ(slots.size(), 8);
 

@@ -124,13 +124,22 @@ TEST(JointLog, PulsesAreLeftOutInTurnsAndUnitsHoldEveryRow) {
               1e-12 * weight);
 }
 
-TEST(JointLog, PiecesAreLeftOutInTurnsAndEndsNever) {
+TEST(JointLog, PiecesAndStretchesAreLeftOutInTurnsAndEndsNever) {
   auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 2.0);
   logs[0].entry.kind = LogKind::kValidation;
   const JointLogs joint = MakeJointLogs(logs, 1350.0, Flat(), {});
   EXPECT_EQ(joint.groups, 3 * 5);
+  EXPECT_EQ(joint.stretches, 3 * 5);
   for (const JointLog& log : joint.logs) {
+    if (log.kind == LogKind::kPulses) {
+      EXPECT_EQ(log.stretch.back() - log.stretch.front(), log.group.back() - log.group.front());
+    }
     if (log.kind != LogKind::kConstantCurrent) continue;
+    // A stretch is left out in one piece: five in their order, the ends aside, of two units each.
+    EXPECT_TRUE(std::is_sorted(
+        log.stretch.begin() + 1,
+        std::find(log.stretch.begin() + 1, log.stretch.end() - 1, JointLog::kAlways)));
+    EXPECT_EQ(std::set<int>(log.stretch.begin(), log.stretch.end()).size(), 6U);
     EXPECT_EQ(std::set<int>(log.group.begin(), log.group.end()).size(), 6U);  // five, and the ends
     EXPECT_EQ(log.group.front(), JointLog::kAlways);
     EXPECT_EQ(log.group.back(), JointLog::kAlways);
@@ -152,8 +161,10 @@ TEST(JointLog, DischargesAtManyCurrentsAreLeftOutWhole) {
   for (std::size_t l = 0; l < whole.logs.size(); ++l) {
     const JointLog& log = whole.logs[l];
     if (log.kind != LogKind::kConstantCurrent) continue;
+    EXPECT_EQ(log.group.size(), log.stretch.size());
     EXPECT_EQ(std::set<int>(log.group.begin(), log.group.end()).size(), 2U);
-    EXPECT_EQ(std::set<int>(log.unit.begin(), log.unit.end()).size(), 13U);  // twelve, and the ends
+    EXPECT_EQ(std::set<int>(log.stretch.begin(), log.stretch.end()).size(), 2U);
+    EXPECT_EQ(std::set<int>(log.unit.begin(), log.unit.end()).size(), 11U);  // ten, and the ends
     EXPECT_EQ(log.group.front(), JointLog::kAlways);
     EXPECT_EQ(log.group.back(), JointLog::kAlways);
   }

@@ -71,8 +71,8 @@ TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
   const Eigen::VectorXd x = UnknownsOf(e, joint.typical_A);
   const JointObservations seen(joint, setup);
-  const auto rows = seen.Rows(e.structure, e.rates, x);
-  const auto smooth = seen.Rows(e.structure, e.rates, x, CurveSlope::kSmooth);
+  const auto rows = seen.Rows(e.structure, e.rates, x, CurveSlope::kOfSegments);
+  const auto smooth = seen.Rows(e.structure, e.rates, x);
   const CellModel<RateJet> model(DifferentiableInRates(e));
   SlopeSums expected(5, x.size());
   for (std::size_t l = 0; l < rows.size(); ++l) {
@@ -123,7 +123,7 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
   const JointObservations seen(joint, setup);
   const auto rows = seen.Rows(e.structure, e.rates, zero);
   const SocTrace soc = TraceSoc(joint, setup, e.rates);
-  auto sums = SumGroups({joint, setup, e.structure, soc, e.rates});
+  auto sums = SumGroups({joint, setup, e.structure, soc, e.rates}, joint.Pieces());
   ASSERT_EQ(sums.size(), static_cast<std::size_t>(joint.groups) + 1);
   for (std::size_t g = 0; g + 1 < sums.size(); ++g) sums.back().Add(sums[g]);
 
@@ -169,7 +169,7 @@ TEST(JointSweep, ErrorsOfRowsLeftOutUseTheirOwnUnknowns) {
     for (std::size_t k = 0; k < log.size(); ++k) weight += log.group[k] == 0 ? log.weight[k] : 0.0;
   }
   const SocTrace soc = TraceSoc(joint, setup, e.rates);
-  const auto sums = SumErrors({joint, setup, e.structure, soc, e.rates}, unknowns);
+  const auto sums = SumErrors({joint, setup, e.structure, soc, e.rates}, joint.Pieces(), unknowns);
   ASSERT_EQ(sums.size(), 2U);
   // The model's own error of long logs said in few points is far below a microvolt.
   const double total = std::accumulate(sums[0].begin(), sums[0].end(), 0.0);

@@ -111,7 +111,8 @@ TEST(JointTemperature, SlopesAreThoseOfTheCellModel) {
   const JointSetup setup = SetupOf(e.cell);
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
   const JointObservations seen(joint, setup);
-  const auto rows = seen.Rows(e.structure, e.rates, UnknownsOf(e, joint.typical_A));
+  const auto rows =
+      seen.Rows(e.structure, e.rates, UnknownsOf(e, joint.typical_A), CurveSlope::kOfSegments);
   const CellModel<EnergyJet> model(DifferentiableInEnergies(e));
   for (std::size_t l = 0; l < rows.size(); ++l) {
     const JointLog& log = joint.logs[l];
