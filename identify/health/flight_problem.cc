@@ -53,7 +53,9 @@ Eigen::MatrixXd ColumnsOf(const UncertainCell& around,
   Eigen::MatrixXd columns;
   for (Eigen::Index e = 0; e < moves.cols(); ++e) {
     const auto voltage_V = [&](double step) {
-      return model.VoltageOf(around.At(at + step * moves.col(e)), unknowns);
+      Cell cell = around.At(at + step * moves.col(e));
+      if (cell.temperature) cell.self_heating.reset();
+      return model.VoltageOf(cell, unknowns);
     };
     const Eigen::VectorXd slope = (voltage_V(kStep) - voltage_V(-kStep)) / (2.0 * kStep);
     if (e == 0) columns.resize(slope.size(), moves.cols());

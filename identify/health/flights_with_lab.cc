@@ -254,7 +254,10 @@ FlightsWithLab FitFlightsWithLab(const Cell& cell, const std::vector<LoadedLog>&
   one.uncertainty = UncertaintyAmong(one, [](const std::string&) { return true; });
   const UncertainCell around(one);
   // In flight a cell warms, also one of which the lab logs do not say how that changes it.
-  const UncertainCell in_flight(SameCell(one, true).cell);
+  Cell warming = SameCell(one, true).cell;
+  // The heat balance stands in for a self-heating of the lab, whose parameters no flight moves.
+  warming.self_heating = one.self_heating;
+  const UncertainCell in_flight(warming);
   found.moves = PrincipalMoves(around, kKnown);
   std::vector<Flying> flying = Prepare(one, logs, found.refused);
   if (flying.empty()) {

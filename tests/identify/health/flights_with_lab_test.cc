@@ -300,6 +300,28 @@ TEST(FlightsWithLab, OfAnAgedPackAreNotTaken) {
       << found.not_taken_because;
 }
 
+// In flight the heat balance stands in for the self-heating that a lab found, whose errors stay.
+TEST(FlightsWithLab, SayNothingOfASelfHeatingOfTheLab) {
+  const Cell truth = Few();
+  Cell lab = WithErrors(truth, LabCovariance(truth), kFree);
+  lab.temperature.reset();
+  lab.temperature_assumed = false;
+  lab.self_heating =
+      Cell::SelfHeating{.time_constant_s = 300.0, .resistance_drop_Ohm_per_A2 = 1e-6};
+  lab.uncertainty->parameters.emplace_back("rho_h");
+  for (auto& row : lab.uncertainty->covariance) row.push_back(0.0);
+  lab.uncertainty->covariance.emplace_back(kNames.size() + 1, 0.0).back() = 1e-14;
+  const FlightsWithLab found = FitFlightsWithLab(
+      lab, {FlightAt25degC(truth, {.start_soc = 0.95, .seed = 7}, OfOneCell(1.0, 0.0))});
+  ASSERT_TRUE(found.taken) << found.not_taken_because;
+  ASSERT_TRUE(found.cell.self_heating.has_value());
+  EXPECT_FALSE(found.cell.temperature.has_value());
+  EXPECT_NEAR(found.cell.self_heating->resistance_drop_Ohm_per_A2, 1e-6, 1e-9);
+  EXPECT_EQ(found.cell.uncertainty->parameters, lab.uncertainty->parameters);
+  EXPECT_NEAR(found.cell.uncertainty->covariance.back().back(), 1e-14, 1e-16);
+  EXPECT_LT(found.cell.uncertainty->covariance[7][7], 0.9 * lab.uncertainty->covariance[7][7]);
+}
+
 TEST(FlightsWithLab, NeedTheErrorsOfTheLab) {
   const Cell lab = Few();
   const FlightsWithLab found =
