@@ -54,7 +54,7 @@ Eigen::MatrixXd ColumnsOf(const UncertainCell& around,
   for (Eigen::Index e = 0; e < moves.cols(); ++e) {
     const auto voltage_V = [&](double step) {
       Cell cell = around.At(at + step * moves.col(e));
-      if (cell.temperature) cell.self_heating.reset();
+      if (cell.temperature) cell.self_heating.reset();  // whose parameters the flight does not show
       return model.VoltageOf(cell, unknowns);
     };
     const Eigen::VectorXd slope = (voltage_V(kStep) - voltage_V(-kStep)) / (2.0 * kStep);

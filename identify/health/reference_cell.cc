@@ -112,7 +112,7 @@ ReferenceCell SameCell(const Cell& cell, bool temperature_known) {
     one.capacity_Ah = one.alpha_C() / 3600.0;
     one = WithTypicalTemperature(std::move(one));
   }
-  one.self_heating.reset();
+  one.self_heating.reset();  // one mechanism for one thing
   return reference;
 }
 

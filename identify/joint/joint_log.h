@@ -16,11 +16,11 @@
 /// left out together to see how smooth the tables are, for which the near neighbours count. Structures
 /// are compared by what is left out in stretches, a fifth of a discharge each: what disturbed a log for
 /// minutes is then not learned from the pieces next to it (h-block cross-validation; Burman, Chow and
-/// Nolan 1994). Without a log of low rate and a discharge at another current hardly anything
-/// shows what a cell is like there, and the pieces serve. Where there are discharges at kWholeCurrents currents each is left out whole, but for
-/// its ends: the others still tell how the voltage goes with the current. Errors of what is left out
-/// are compared unit by unit (paired_errors.h): a pulse with its rest, or six neighbouring pieces of a
-/// discharge.
+/// Nolan 1994). Without a log of low rate and a discharge at another current hardly anything shows what
+/// a cell is like there, and the pieces serve. Where there are discharges at kWholeCurrents currents each
+/// is left out whole, but for its ends: the others still tell how the voltage goes with the current.
+/// Errors of what is left out are compared unit by unit (paired_errors.h): a pulse with its rest, or six
+/// neighbouring pieces of a discharge.
 /// Tests: tests/identify/joint/joint_log_test.cc.
 
 #include <cstddef>
