@@ -42,9 +42,12 @@ using StepsFunction = void (*)(double*, double, double);
 
 #if defined(__x86_64__)
 __attribute__((target("avx2"))) void StepsAvx2(double* x, double a, double b) { Steps(x, a, b); }
-__attribute__((target("avx512f,prefer-vector-width=512"))) void StepsAvx512(double* x,
-                                                                            double a,
-                                                                            double b) {
+#if defined(__clang__)  // knows no width by function
+#define LIPOID_WIDEST "avx512f"
+#else
+#define LIPOID_WIDEST "avx512f,prefer-vector-width=512"
+#endif
+__attribute__((target(LIPOID_WIDEST))) void StepsAvx512(double* x, double a, double b) {
   Steps(x, a, b);
 }
 
