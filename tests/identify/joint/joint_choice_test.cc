@@ -32,8 +32,7 @@ TEST(JointChoice, TakesTheSimplestStructureWhereNothingRicherIsThere) {
 // Noise that lasts for minutes looks like a structure to rows beside it, and like nothing to other
 // logs: with discharges at four currents each is left out whole, with fewer a fifth of one at a time.
 // Chance asks for one of half a dozen structures in one campaign of eight, for more than two in one run
-// of a hundred. Three discharges, one of ten minutes, tell less: none of the eight was found constant
-// when every fifth piece was left out, five are.
+// of a hundred. Three discharges, one of ten minutes, tell less: five of the eight are found constant.
 TEST(JointChoice, SlowNoiseIsNoStructure) {
   for (const bool four_currents : {true, false}) {
     const Cell truth = Truth();

@@ -55,8 +55,8 @@ TEST(JointProfile, AgreesWithTheStandardErrorWhereTheModelIsNearlyLinear) {
   }
 }
 
-// Straight lines between the nodes of v_oc(A) saw about its slope. Taken for information the saw made
-// beta three times as certain as the cost is, where tables follow all that is smooth.
+// The slope of straight lines between the nodes of v_oc(A) jumps at every node. Taken for information
+// these jumps made beta twice as certain, where tables follow all that is smooth.
 TEST(JointProfile, WhatIsKnownBesideTablesIsNotTheSawOfTheCurve) {
   Cell cell = LoadCell("gifi-600mAh-1");
   cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
@@ -77,7 +77,7 @@ TEST(JointProfile, WhatIsKnownBesideTablesIsNotTheSawOfTheCurve) {
   const TrustReport trust = AssessJoint(result);
   const Profile profile = ProfileJoint({"beta"}, result, trust)[0];
   const QuantityTrust& beta = *FindQuantity(trust, "beta");
-  // A profile is no parabola, and a saw would have made the interval two to three times too short.
+  // A profile is no parabola; with the jumps the interval was half as long, and the profile had no end in its range.
   EXPECT_NEAR((beta.estimate - profile.low) / (beta.estimate - beta.low), 1.0, 0.35);
   EXPECT_NEAR((profile.high - beta.estimate) / (beta.high - beta.estimate), 1.0, 0.35);
 }
