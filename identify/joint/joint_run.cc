@@ -462,9 +462,9 @@ class JointRun {
       result_.choice = FinishChoice(task, std::move(result_.choice));
     });
     if (result_.choice.best.x.size() == 0) {
-      throw LoadError({campaign_.file.empty() ? "(command line)" : campaign_.file},
-                      "expected logs from which v_oc(A) and a resistance follow, found none that "
-                      "determine them");
+      RefuseCampaign(campaign_,
+                     "expected logs from which v_oc(A) and a resistance follow, found none that "
+                     "determine them");
     }
     if (result_.alpha_source == "cut-off" && result_.choice.errors.smoothness <= kNoSmoothness)
       FitInItsOwnGauge();

@@ -318,15 +318,21 @@ void AddLogs(Campaign& campaign,
   }
 }
 
+void RefuseCampaign(const Campaign& campaign, const std::string& message) {
+  if (campaign.file.empty()) throw OptionError(message);
+  throw LoadError({campaign.file}, message);
+}
+
 void CheckCampaign(const Campaign& campaign, bool open_circuit_voltage_given) {
   std::vector<std::string> problems;
   const bool typed = campaign.file.empty();
   if (campaign.OnlyFlights()) {
     if (campaign.capacity_Ah > 0.0) return;
-    const std::string message =
-        "expected the capacity of the cell, because flights alone do not tell it, found none; give ";
-    if (typed) throw OptionError(message + "--capacity-Ah");
-    throw LoadError({campaign.file}, message + "capacity_Ah in [cell]");
+    RefuseCampaign(
+        campaign,
+        fmt::format("expected the capacity of the cell, because flights alone do not tell it, "
+                    "found none; give {}",
+                    typed ? "--capacity-Ah" : "capacity_Ah in [cell]"));
   }
   if (campaign.Count(LogKind::kLowRate) + campaign.Count(LogKind::kPulses) == 0 &&
       !open_circuit_voltage_given) {

@@ -85,9 +85,11 @@ void AddLogs(Campaign& campaign,
              const ReadOptions& read,
              double initial_soc = 1.0);
 
+/// What its logs do not allow: LoadError at the campaign's file, OptionError where there is none.
+[[noreturn]] void RefuseCampaign(const Campaign& campaign, const std::string& message);
+
 /// Whether the logs may be enough to identify a cell: a low-rate log, pulses or a given curve for
-/// v_oc(A); pulses or constant currents; a cut-off for constant currents; a capacity for flights alone. LoadError at the
-/// campaign's file, or OptionError where it was given on the command line.
+/// v_oc(A); pulses or constant currents; a cut-off for constant currents; a capacity for flights alone. Else as RefuseCampaign.
 void CheckCampaign(const Campaign& campaign, bool open_circuit_voltage_given);
 
 }  // namespace lipoid

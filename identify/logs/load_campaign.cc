@@ -35,8 +35,9 @@ constexpr double kLeastOfAnyLog = 0.003;
                          std::string_view option,
                          std::string_view key,
                          const std::string& message) {
-  if (campaign.file.empty()) throw OptionError(fmt::format("option --{}: {}", option, message));
-  throw LoadError({campaign.file}, fmt::format("{}: {}", key, message));
+  RefuseCampaign(campaign,
+                 campaign.file.empty() ? fmt::format("option --{}: {}", option, message)
+                                       : fmt::format("{}: {}", key, message));
 }
 
 // A capacity in mAh, or times in minutes under a header of seconds, are off by a factor of 60 or

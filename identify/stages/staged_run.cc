@@ -106,11 +106,10 @@ class StagedRun {
   void CheckLogs() {
     CheckCampaign(campaign_, given_.open_circuit_voltage.has_value());
     if (campaign_.OnlyFlights()) {
-      const std::string message =
-          "expected logs of the lab, found flights alone, from which only `lipoid identify` finds what "
-          "they tell";
-      if (campaign_.file.empty()) throw OptionError("--flight: " + message);
-      throw LoadError({campaign_.file}, message);
+      RefuseCampaign(
+          campaign_,
+          "expected logs of the lab, found flights alone, from which only `lipoid identify` "
+          "finds what they tell");
     }
     const auto constant = OfKind(logs_, LogKind::kConstantCurrent);
     const auto low_rate = OfKind(logs_, LogKind::kLowRate);
@@ -210,12 +209,12 @@ class StagedRun {
                       found,
                       result_.alpha_C));
     } else {
-      throw LoadError(
-          {campaign_.file.empty() ? "(command line)" : campaign_.file},
+      RefuseCampaign(
+          campaign_,
           fmt::format(
-              "expected a log that gives the capacity (two constant currents, or a low-rate log), "
-              "or capacity_Ah or "
+              "expected a log that gives the capacity (two constant currents, or a low-rate log), {}, or "
               "--alpha-C, found {}",
+              campaign_.file.empty() ? "--capacity-Ah" : "capacity_Ah in [cell]",
               found));
     }
     beta_start_ = kTypicalBeta;

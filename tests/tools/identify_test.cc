@@ -492,6 +492,14 @@ TEST(Identify, RefusesWhatDoesNotFitTogether) {
        "--initial-voltage-V needs v_oc(A)"},
       {{"--constant-current", "logs/cc_1C.csv", "--cutoff-V", "3"},
        "expected a low-rate log for the open-circuit voltage, or pulses with rests, found neither"},
+      {{"--constant-current",
+        "logs/cc_1C.csv",
+        "--cutoff-V",
+        "3",
+        "--open-circuit-voltage",
+        SourcePath("fixtures/cells/gifi-600mAh-1.json")},
+       "lipoid identify: error: expected a log that gives the capacity (two constant currents, or a "
+       "low-rate log), --capacity-Ah, or --alpha-C, found constant currents that do not differ"},
   };
   for (const auto& one : cases) {
     SCOPED_TRACE(one.message);

@@ -350,7 +350,8 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   }
   if (!answer.stable) {
     line.Message(
-        "no gains within the bounds keep the {} loop stable with {:g} times its gain or its lag{}; "
+        "the search found no gains within the bounds that keep the {} loop stable with {:g} times its "
+        "gain or its lag{}; "
         "give higher bounds (--set design.proportional_bound=...) or another start. Nothing is "
         "written",
         loop_name,

@@ -56,3 +56,17 @@ export function interval(pair, factor = 1, digits = 3) {
   const known = Array.isArray(pair) && pair.every(Number.isFinite);
   return known ? `${significant(factor * pair[0], digits)} to ${significant(factor * pair[1], digits)}` : null;
 }
+
+const ALPHA_SOURCES = {
+  "discharge-times": "the discharge times",
+  "low-rate-charge": "the charge of the low-rate log",
+  "pulse-charge": "the charge of the pulses",
+  "nominal-capacity": "the nominal capacity",
+  "delivered-charge": "what the deepest log delivered",
+  given: "a given value",
+};
+
+/** Where alpha came from, of the key alpha_source, in words. */
+export function alphaSource(source) {
+  return ALPHA_SOURCES[source] ?? source;
+}

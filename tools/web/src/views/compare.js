@@ -1,7 +1,7 @@
 // `lipoid compare`: optimizers on the same problem, by what they found and how fast.
 import { lineChart } from "../chart.js";
 import { disclosure, element, facts, note, section } from "../dom.js";
-import { count, significant } from "../format.js";
+import { alphaSource, count, significant } from "../format.js";
 import { isNumber, listOf, times } from "../numbers.js";
 import { table } from "../table.js";
 import { judgement } from "./identify/header.js";
@@ -185,7 +185,7 @@ export const compare = {
           : `The best is ${best.optimizer}, with a cost of ${cost}.`),
       best.fit ? judgement(best.fit, "these logs") : null,
       facts([["Campaign", summary.campaign], ["Rows", count(summary.rows)], ["Points after condensing", count(summary.points)],
-             ["alpha / C", significant(summary.alpha_C)], ["from", summary.alpha_source]]),
+             ["alpha / C", significant(summary.alpha_C)], ["from", alphaSource(summary.alpha_source)]]),
       listOf(summary.done_instead).map((text) => note(text)),
       resultsTable(results),
       disclosure("Why each ended", table(

@@ -1,6 +1,6 @@
 // The stages of the thesis' method: what each of them found.
 import { disclosure, element, notice, section } from "../../dom.js";
-import { significant } from "../../format.js";
+import { alphaSource, significant } from "../../format.js";
 import { table } from "../../table.js";
 
 const UNITS = [["alpha", "C"], ["beta", "s^-1/2"], ["r_", "Ω"], ["c_", "F"], ["tau_", "s"]];
@@ -24,7 +24,7 @@ export function stages({ summary }) {
     { what: "why the search ended", held: held?.message, free: free.message },
   ];
   const content = [
-    element("p", {}, `alpha is ${significant(staged.alpha_C, 6)} C, from: ${staged.alpha_source}. The fit of the pulses, with the beta of the discharge times held and with beta found anew:`),
+    element("p", {}, `alpha is ${significant(staged.alpha_C, 6)} C, from ${alphaSource(staged.alpha_source)}. The fit of the pulses, with the beta of the discharge times held and with beta found anew:`),
     table(
       [
         { title: "stage 3", of: ({ what }) => what },
