@@ -167,8 +167,8 @@ std::optional<double> CurrentOfPower(const CellModel<double>& model,
   return 0.5 * (low + high);
 }
 
-// Removes the rows from the first one below the cut-off on.
-std::size_t CutAtCutoff(const Cell& cell, ExportMission& mission) {
+// Removes the steps from the first one below the cut-off on.
+void CutAtCutoff(const Cell& cell, ExportMission& mission) {
   // A cell at its cut-off is not yet below it.
   constexpr double kRounding_V = 1e-9;
   const auto prediction =
@@ -178,35 +178,32 @@ std::size_t CutAtCutoff(const Cell& cell, ExportMission& mission) {
   const auto below =
       std::find_if(volts.begin(), volts.end(), [&](double v) { return !(v >= least_V); });
   const auto rows = static_cast<std::size_t>(below - volts.begin());
-  const std::size_t removed = mission.time_s.size() - rows;
   mission.time_s.resize(rows);
   mission.current_A.resize(rows);
-  return removed;
 }
 
-// How many steps of at most kMostPowerStep_s lead from row k-1 to row k.
-double PiecesOf(const PowerProfile& power, std::size_t k) {
-  if (k == 0) return 1.0;
-  const double length_s = power.time_s[k] - power.time_s[k - 1];
-  return std::max(1.0, std::ceil(length_s / kMostPowerStep_s - 1e-9));
+// How many steps lead from one row to the next.
+double StepsBetween(double begin_s, double end_s) {
+  return std::max(1.0, std::round((end_s - begin_s) / kMissionStep_s));
 }
 
-double RowsOf(const PowerProfile& power) {
-  double rows = 0.0;
-  for (std::size_t k = 0; k < power.time_s.size(); ++k) rows += PiecesOf(power, k);
-  return rows;
+// The end of one of these steps; of the last exactly that of the row.
+double EndOfStep(double begin_s, double end_s, double step, double steps) {
+  return step == steps ? end_s : begin_s + (end_s - begin_s) * step / steps;
 }
 
-void RequireLength(const std::vector<double>& time_s, double rows, const std::string& file) {
+void RequireLength(const std::vector<double>& time_s, const std::string& file) {
   const double duration_s = time_s.empty() ? 0.0 : time_s.back() - time_s.front();
-  if (rows <= static_cast<double>(kMostRows) && duration_s <= kLongestMission_s) return;
+  double steps = std::min(1.0, static_cast<double>(time_s.size()));
+  for (std::size_t k = 1; k < time_s.size(); ++k) steps += StepsBetween(time_s[k - 1], time_s[k]);
+  if (steps <= static_cast<double>(kMostSteps) && duration_s <= kLongestMission_s) return;
   throw LoadError(
       {file},
-      fmt::format("expected a mission of at most {} rows and {:g} days, since a simulator's steps "
-                  "are walked through, found {:g} rows over {:.3g} days; give a part of it",
-                  kMostRows,
+      fmt::format("expected a mission of at most {} steps and {:g} days, since a simulator's steps "
+                  "are walked through, found {:g} steps over {:.3g} days; give a part of it",
+                  kMostSteps,
                   kLongestMission_s / 86400.0,
-                  rows,
+                  steps,
                   duration_s / 86400.0));
 }
 
@@ -220,8 +217,15 @@ void Append(ExportMission& mission, double duration_s, double current_A) {
 }
 
 // Without what lies beyond the cut-off; LoadError where too little is left.
-ReadMission AboveCutoff(const Cell& cell, const std::string& file, ReadMission read) {
-  read.rows_beyond_cutoff += CutAtCutoff(cell, read.mission);
+ReadMission AboveCutoff(const Cell& cell,
+                        const std::string& file,
+                        const std::vector<double>& time_s,
+                        ReadMission read) {
+  CutAtCutoff(cell, read.mission);
+  const auto& steps = read.mission.time_s;
+  read.rows_of_file = time_s.size();
+  read.rows_beyond_cutoff = static_cast<std::size_t>(std::count_if(
+      time_s.begin(), time_s.end(), [&](double t) { return steps.empty() || t > steps.back(); }));
   if (read.rows_beyond_cutoff > 0) {
     read.warnings.push_back(
         fmt::format("the cell reaches its cut-off of {:.4g} V; {} of {} left out",
@@ -231,19 +235,21 @@ ReadMission AboveCutoff(const Cell& cell, const std::string& file, ReadMission r
   }
   const std::string found = fmt::format(
       "{} of {} rows{}",
-      read.mission.time_s.size(),
+      read.rows_of_file - read.rows_beyond_cutoff,
       read.rows_of_file,
       read.rows_beyond_cutoff > 0
           ? "; the current or the power may be too much for this pack (--series, --parallel)"
           : "");
-  if (read.mission.time_s.size() < kLeastRows) {
+  if (steps.size() < kLeastSteps) {
     throw LoadError(
         {file},
         fmt::format(
-            "expected a mission of at least {} rows in which the cell stays above its cut-off of "
-            "{:.4g} V, found {}",
-            kLeastRows,
+            "expected a mission of at least {} rows, or of {:g} s where rows lie farther apart, in "
+            "which the cell stays above its cut-off of {:.4g} V, found {:.3g} s in {}",
+            kLeastSteps,
+            static_cast<double>(kLeastSteps) * kMissionStep_s,
             cell.series * cell.cutoff_V,
+            steps.empty() ? 0.0 : steps.back() - steps.front(),
             found));
   }
   const auto& current_A = read.mission.current_A;
@@ -308,11 +314,16 @@ ExportMission MissionOf(const Record& record, std::string name, double initial_s
   ExportMission mission;
   mission.name = std::move(name);
   mission.initial_soc = initial_soc;
-  mission.time_s = record.time_s.ToVector();
-  mission.current_A = record.current_A.ToVector();
-  if (record.hold == Hold::kForward) {  // the current that holds until a row belongs to it
-    for (std::size_t k = mission.current_A.size(); k-- > 1;)
-      mission.current_A[k] = record.current_A[k - 1];
+  const bool backward =
+      record.hold == Hold::kBackward;  // else what holds until a row belongs to it
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const double current_A = record.current_A[backward || k == 0 ? k : k - 1];
+    const double begin_s = record.time_s[k > 0 ? k - 1 : k];
+    const double steps = StepsBetween(begin_s, record.time_s[k]);
+    for (double step = 1.0; step <= steps; step += 1.0) {
+      mission.time_s.push_back(EndOfStep(begin_s, record.time_s[k], step, steps));
+      mission.current_A.push_back(current_A);
+    }
   }
   return mission;
 }
@@ -334,10 +345,9 @@ ExportMission MissionOf(const Cell& cell,
     const bool backward = power.hold == Hold::kBackward;
     const double power_W = power.power_W[backward || k == 0 ? k : k - 1] / cells;
     const double begin_s = k > 0 ? power.time_s[k - 1] : power.time_s[k];
-    const double length_s = power.time_s[k] - begin_s;
-    const double pieces = PiecesOf(power, k);
-    for (double piece = 1.0; piece <= pieces; piece += 1.0) {
-      const double time_s = piece == pieces ? power.time_s[k] : begin_s + length_s * piece / pieces;
+    const double steps = StepsBetween(begin_s, power.time_s[k]);
+    for (double one = 1.0; one <= steps; one += 1.0) {
+      const double time_s = EndOfStep(begin_s, power.time_s[k], one, steps);
       const double dt_s = k > 0 ? time_s - mission.time_s.back() : 0.0;
       model.MakeStep(dt_s, step);
       const auto current_A =
@@ -365,7 +375,7 @@ ReadPower ReadPowerFile(const std::string& file, const ReadOptions& options) {
     for (std::size_t k = 0; k < current_A.size(); ++k)
       read.profile.power_W.push_back(current_A[k] * voltage_V[k]);
   }
-  RequireLength(read.profile.time_s, RowsOf(read.profile), file);
+  RequireLength(read.profile.time_s, file);
   if (read.profile.time_s.size() < 2) {
     throw LoadError({file},
                     fmt::format("expected a power over time of at least 2 rows, found {}",
@@ -376,11 +386,11 @@ ReadPower ReadPowerFile(const std::string& file, const ReadOptions& options) {
 
 ReadMission MissionOfLog(const Cell& cell, const Log& log, double initial_soc) {
   const std::string& file = log.record.file;
+  const std::vector<double> time_s = log.record.time_s.ToVector();
+  RequireLength(time_s, file);
   ReadMission read;
-  read.rows_of_file = log.record.size();
   read.mission = MissionOf(log.record, file, initial_soc);
-  RequireLength(read.mission.time_s, static_cast<double>(read.rows_of_file), file);
-  return AboveCutoff(cell, file, std::move(read));
+  return AboveCutoff(cell, file, time_s, std::move(read));
 }
 
 ReadMission ReadMissionFile(const Cell& cell,
@@ -398,20 +408,10 @@ ReadMission ReadMissionFile(const Cell& cell,
     return read;
   }
   const PowerProfile profile = ReadPowerRows(file, options.hold);
-  RequireLength(profile.time_s, RowsOf(profile), file);
+  RequireLength(profile.time_s, file);
   ReadMission read;
-  read.rows_of_file = profile.time_s.size();
   read.mission = MissionOf(cell, profile, file, initial_soc);
-  if (!profile.time_s.empty() &&
-      (read.mission.time_s.empty() || read.mission.time_s.back() < profile.time_s.back())) {
-    const double reached_s =
-        read.mission.time_s.empty() ? profile.time_s.front() : read.mission.time_s.back();
-    read.rows_beyond_cutoff = static_cast<std::size_t>(
-        std::count_if(profile.time_s.begin(), profile.time_s.end(), [&](double t) {
-          return read.mission.time_s.empty() || t > reached_s;
-        }));
-  }
-  return AboveCutoff(cell, file, std::move(read));
+  return AboveCutoff(cell, file, profile.time_s, std::move(read));
 }
 
 }  // namespace lipoid

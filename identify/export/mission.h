@@ -37,7 +37,11 @@ inline constexpr double kDefaultRow_s = 0.1;
 /// PreconditionError where DefaultCurrent_A() is 0.
 [[nodiscard]] ExportMission DefaultMission(const Cell& cell);
 
-/// The rows of a record, from initial_soc.
+/// Rows farther apart than one and a half of this are walked in steps of about it: a voltage that falls in
+/// between is part of what a target must follow.
+inline constexpr double kMissionStep_s = 1.0;
+
+/// The current of a record, from initial_soc.
 [[nodiscard]] ExportMission MissionOf(const Record& record, std::string name, double initial_soc);
 
 /// Powers of the pack in W at increasing times; power_W[k] flows since times[k-1] (backward) or
@@ -56,10 +60,8 @@ struct ReadPower {
 };
 [[nodiscard]] ReadPower ReadPowerFile(const std::string& file, const ReadOptions& options);
 
-/// The currents with which the cell gives these powers, P = i v, with rows at most kMostPowerStep_s
-/// apart: i is constant over a row, and i v is the power at its end. Ends where the cell could give
-/// the power only below its cut-off.
-inline constexpr double kMostPowerStep_s = 1.0;
+/// The currents with which the cell gives these powers, P = i v: i is constant over a step, and i v is
+/// the power at its end. Ends where the cell could give the power only below its cut-off.
 [[nodiscard]] ExportMission MissionOf(const Cell& cell,
                                       const PowerProfile& power,
                                       std::string name,
@@ -74,10 +76,10 @@ struct ReadMission {
 
 /// A log as simulate reads one, time_s,power_W, or a flight log of lipoid; without the rows from
 /// the first one on in which the cell is below its cut-off. LoadError where it is none of these,
-/// where fewer than kLeastRows remain or no current flows, and where it is too long for the steps
+/// where fewer than kLeastSteps remain or no current flows, and where it is too long for the steps
 /// of a simulator.
-inline constexpr std::size_t kLeastRows = 10;
-inline constexpr std::size_t kMostRows = 2'000'000;
+inline constexpr std::size_t kLeastSteps = 10;
+inline constexpr std::size_t kMostSteps = 2'000'000;
 inline constexpr double kLongestMission_s = 7.0 * 86400.0;
 [[nodiscard]] ReadMission ReadMissionFile(const Cell& cell,
                                           const std::string& file,

@@ -52,23 +52,36 @@ std::string WhatItAdds(const PlannedVariation& with, const PlannedVariation& wit
       "{} would tell {} (95 %); {}", what, fmt::join(gains, ", "), with.plan.trust.sentence);
 }
 
-// Root mean square over the logs of what the fit left above a tenth of the charge: near empty a cell
-// is steep, and there no pulse tells much. None where the file does not say.
-std::optional<double> ErrorOfFit_V(const Cell& cell) {
+// Root mean square over the logs of a number of the run record that each of them has.
+std::optional<double> RootMeanSquare(const Cell& cell, const char* logs, const char* key) {
   if (!cell.run) return std::nullopt;
-  const Json::json_pointer place("/metrics/logs");
+  const Json::json_pointer place(logs);
   if (!cell.run->contains(place) || !cell.run->at(place).is_array()) return std::nullopt;
   double sum = 0.0;
-  int logs = 0;
+  int count = 0;
   for (const Json& log : cell.run->at(place)) {
     if (!log.is_object()) continue;
-    const auto error_V = log.find("rmse_V_above_10_soc");
-    if (error_V == log.end() || !error_V->is_number()) continue;
-    sum += error_V->get<double>() * error_V->get<double>();
-    ++logs;
+    const auto value = log.find(key);
+    if (value == log.end() || !value->is_number()) continue;
+    sum += value->get<double>() * value->get<double>();
+    ++count;
   }
-  const double rms_V = std::sqrt(sum / logs);
-  return std::isfinite(rms_V) ? std::optional(rms_V) : std::nullopt;
+  const double rms = std::sqrt(sum / count);
+  return std::isfinite(rms) ? std::optional(rms) : std::nullopt;
+}
+
+// What the fit left of the logs: slow where the next rows have it, too, else the noise of single rows.
+struct LeftByFit {
+  double white_V = 0.0;
+  double slow_V = 0.0;
+};
+
+LeftByFit ErrorsOfFit(const Cell& cell) {
+  // Above a tenth of the charge: near empty a cell is steep, and there no pulse tells much.
+  const double all_V = RootMeanSquare(cell, "/metrics/logs", "rmse_V_above_10_soc").value_or(0.0);
+  const double white_V = std::min(
+      all_V, RootMeanSquare(cell, "/metrics/trust/residual_correlation", "white_V").value_or(0.0));
+  return {.white_V = white_V, .slow_V = std::sqrt(all_V * all_V - white_V * white_V)};
 }
 
 class Variations {
@@ -79,10 +92,14 @@ class Variations {
     if (grid.coloured_noise_V) {
       result_.noise.coloured_V = *grid.coloured_noise_V;
       result_.slow_errors = SlowErrors::kGiven;
-    } else if (const auto error_V = ErrorOfFit_V(cell);
-               error_V && *error_V > result_.noise.coloured_V) {
-      result_.noise.coloured_V = *error_V;
-      result_.slow_errors = SlowErrors::kOfFit;
+    } else {
+      const LeftByFit left = ErrorsOfFit(cell);
+      result_.white_of_fit = left.white_V > result_.noise.white_V;
+      if (result_.white_of_fit) result_.noise.white_V = left.white_V;
+      if (left.slow_V > result_.noise.coloured_V) {
+        result_.noise.coloured_V = left.slow_V;
+        result_.slow_errors = SlowErrors::kOfFit;
+      }
     }
     result_.temperature =
         cell.temperature || !grid.ambient_degC.empty() || !grid.second_degC.empty();
@@ -259,8 +276,9 @@ std::string NoiseSentence(const PlanGridResult& result) {
       break;
   }
   return fmt::format(
-      "Assumed: noise of {:.3g} mV in each row, and slow errors of {:.3g} mV over {:g} s{}.",
+      "Assumed: noise of {:.3g} mV in each row{}, and slow errors of {:.3g} mV over {:g} s{}.",
       1e3 * noise.white_V,
+      result.white_of_fit ? " (of the logs of this cell)" : "",
       1e3 * noise.coloured_V,
       noise.correlation_s,
       source);

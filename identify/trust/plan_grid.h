@@ -34,6 +34,8 @@ struct PlanGrid {
   /// Those that would be added; empty: the first of kSecondBelow_K below the coldest at which the cell gives the
   /// pulses.
   std::vector<double> second_degC = {};
+  /// Its noise is at least what the fit left of the logs of this cell that is independent from row to row, unless
+  /// the slow errors are told.
   PlannedNoise noise = {};
   /// Its slow errors; none: what the fit left of the logs of this cell, where its file says, and at
   /// least those of PlannedNoise.
@@ -53,7 +55,8 @@ struct PlanGrid {
     v("voltage_noise_V",
       self.noise.white_V,
       Range{0.0, 1e3},
-      "standard deviation of the voltage's noise that is independent from row to row, V");
+      "standard deviation of the voltage's noise that is independent from row to row, V; without "
+      "coloured-noise-V at least what the fit of the cell left of its logs");
     v("coloured_noise_V",
       self.coloured_noise_V,
       Range{0.0, 1e3},
@@ -113,6 +116,7 @@ struct PlanGridResult {
   std::vector<std::string> left_out;         ///< of the cell and of what was asked for, in words
   std::vector<std::string> terms_left_out;   ///< of the cell, by name
   PlannedNoise noise;                        ///< that the plan assumes
+  bool white_of_fit = false;                 ///< and its noise of single rows is from the fit
   SlowErrors slow_errors = SlowErrors::kAssumed;
   bool temperature = false;          ///< whether it takes part
   bool temperature_assumed = false;  ///< energies and heat of the cell are typical values

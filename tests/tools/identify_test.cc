@@ -530,12 +530,23 @@ TEST(Identify, OfAPoorFitIsToldWhereverTheCellIsLoaded) {
   EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"logs"}));
   WriteFileAtomically(folder + "/poor.json", poor.out);
   EXPECT_EQ(ReadCellFile(folder + "/poor.json").diffusion->alpha_C, 1.0);
-  const auto run =
-      RunLipoid(folder, {"simulate", "poor.json", "--current", "logs/cc_1C.csv", "-o", "s.csv"});
-  EXPECT_NE(run.err.find("poor.json: lipoid identify judged its fit poor: do not rely on what it "
-                         "predicts (alpha is "),
-            std::string::npos)
-      << run.err;
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{
+            "simulate", "poor.json", "--current", "logs/cc_1C.csv", "-o", "s.csv"},
+        std::vector<std::string>{"identify",
+                                 "logs/campaign.toml",
+                                 "--method",
+                                 "staged",
+                                 "--truth",
+                                 "poor.json",
+                                 "-o",
+                                 "cell.json"}}) {
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_NE(run.err.find("poor.json: lipoid identify judged its fit poor: do not rely on what it "
+                           "predicts (alpha is "),
+              std::string::npos)
+        << run.err;
+  }
 }
 
 TEST(Identify, HoldsWhatIsGiven) {

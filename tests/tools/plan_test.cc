@@ -101,6 +101,7 @@ TEST(Plan, SlowErrorsAreAtLeastWhatTheFitLeftOfTheLogs) {
   const Json of_fit = plan({"cell.json"});
   EXPECT_EQ(of_fit.at("noise").at("coloured_from"), "fit");
   EXPECT_NEAR(of_fit.at("noise").at("coloured_V").get<double>(), std::sqrt(5e-5), 1e-12);
+  EXPECT_EQ(of_fit.at("noise").at("white_V"), 2e-4);
   const Json assumed = plan({"gifi-600mAh-1"});
   EXPECT_EQ(assumed.at("noise").at("coloured_from"), "assumed");
   EXPECT_EQ(assumed.at("noise").at("coloured_V"), 5e-4);
@@ -108,6 +109,16 @@ TEST(Plan, SlowErrorsAreAtLeastWhatTheFitLeftOfTheLogs) {
   const Json given = plan({"cell.json", "--coloured-noise-V", "0.0005"});
   EXPECT_EQ(given.at("noise").at("coloured_from"), "given");
   EXPECT_EQ(series_error(given), series_error(assumed));
+  // What is left from row to row alone is no slow error: 5e-5 V^2 in all.
+  cell["run"]["metrics"]["trust"]["residual_correlation"] = {{{"white_V", 0.007}},
+                                                             {{"white_V", 0.005}}};
+  WriteFileAtomically(folder + "/cell.json", JsonText(cell));
+  const Json mixed = plan({"cell.json"});
+  EXPECT_EQ(mixed.at("noise").at("coloured_from"), "fit");
+  EXPECT_NEAR(mixed.at("noise").at("white_V").get<double>(), std::sqrt(3.7e-5), 1e-12);
+  EXPECT_NEAR(mixed.at("noise").at("coloured_V").get<double>(), std::sqrt(1.3e-5), 1e-12);
+  EXPECT_LT(series_error(mixed), 0.7 * series_error(of_fit));  // slow errors of half the size
+  EXPECT_EQ(plan({"cell.json", "--coloured-noise-V", "0.0005"}).at("noise").at("white_V"), 2e-4);
 }
 
 // Terms of the cell that the analysis does not have are none of "every parameter".

@@ -103,7 +103,9 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
     line.Print("{}", cli::Wrapped(temperature + "\n"));
   cli::TextTable table({{"flight", cli::Align::kFile},
                         {"SOC from"},
+                        {"95 %"},
                         {"to"},
+                        {"95 %"},
                         {"capacity / Ah"},
                         {"95 %"},
                         {"resistance / mOhm"},
@@ -113,7 +115,9 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
   for (const FlightHealth& flight : report.flights) {
     table.Row({flight.file,
                Value(flight.soc_start, 1.0),
+               Interval(flight.soc_start, 1.0),
                Value(flight.soc_end, 1.0),
+               Interval(flight.soc_end, 1.0),
                Value(flight.capacity_Ah, 1.0),
                Interval(flight.capacity_Ah, 1.0),
                Value(flight.resistance_Ohm, 1e3),

@@ -25,6 +25,7 @@
 #include "tools/commands/campaign_options.h"
 #include "tools/commands/identify_report.h"
 #include "tools/commands/joint_text.h"
+#include "tools/commands/loaded_cell.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/profile_text.h"
 #include "tools/commands/staged_options.h"
@@ -250,7 +251,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   }
   line.AddOutputs("-o", paths);
   std::optional<Cell> truth;
-  if (!truth_file.empty()) truth = LoadCell(truth_file);
+  if (!truth_file.empty()) truth = LoadCell(line, truth_file);
 
   bool converged = true;
   bool usable = true;

@@ -101,12 +101,22 @@ TEST(DefaultMission, OfAPackIsThatOfItsCells) {
 
 TEST(Mission, OfAForwardRecordHasEachCurrentWhereItEnds) {
   Record record;
-  record.time_s = {0.0, 1.0, 3.0};
+  record.time_s = {0.0, 1.0, 2.4};
   record.current_A = {1.0, 2.0, 9.0};
   record.hold = Hold::kForward;
   const auto mission = MissionOf(record, "x", 1.0);
   EXPECT_EQ(mission.hold, Hold::kBackward);
+  EXPECT_EQ(mission.time_s, (std::vector<double>{0.0, 1.0, 2.4}));
   EXPECT_EQ(mission.current_A, (std::vector<double>{1.0, 1.0, 2.0}));
+}
+
+TEST(Mission, OfRowsFarApartIsThatOfARowEverySecond) {
+  Record few;
+  few.time_s = {0.0, 3.0, 5.0};
+  few.current_A = {0.0, 2.0, -1.0};
+  const auto mission = MissionOf(few, "x", 1.0);
+  EXPECT_EQ(mission.time_s, (std::vector<double>{0.0, 1.0, 2.0, 3.0, 4.0, 5.0}));
+  EXPECT_EQ(mission.current_A, (std::vector<double>{0.0, 2.0, 2.0, 2.0, -1.0, -1.0}));
 }
 
 TEST(Mission, OfPowersGivesThesePowersAtTheEndOfEachRow) {
@@ -166,7 +176,9 @@ TEST(MissionFile, LeavesOutWhatTheCellCannotGive) {
   EXPECT_EQ(read.rows_of_file, 100U);
   EXPECT_GT(read.rows_beyond_cutoff, 70U);  // 1353 C last 22 minutes
   EXPECT_LT(read.rows_beyond_cutoff, 85U);
-  EXPECT_EQ(read.mission.time_s.size() + read.rows_beyond_cutoff, 100U);
+  // It ends within a row, in which the cut-off is reached.
+  EXPECT_EQ(std::floor(read.mission.time_s.back() / 60.0),
+            99.0 - static_cast<double>(read.rows_beyond_cutoff));
   EXPECT_EQ(read.warnings.back(),
             "the cell reaches its cut-off of 3 V; " + std::to_string(read.rows_beyond_cutoff) +
                 " of 100 rows left out");
@@ -184,13 +196,15 @@ TEST(MissionFile, RefusesWhatIsNoMission) {
   for (int k = 0; k < 20; ++k) idle += std::to_string(k) + ",0\n";
   EXPECT_EQ(message(idle),
             ":1:1: error: expected a mission that discharges the cell, found no current above 0");
-  EXPECT_EQ(message("time_s,power_W\n0,1\n1,2\n"),
-            ":1:1: error: expected a mission of at least 10 rows in which the cell stays above its "
-            "cut-off of 3 V, found 2 of 2 rows");
-  EXPECT_EQ(message("time_s,power_W\n0,1\n1,500\n"),
-            ":1:1: error: expected a mission of at least 10 rows in which the cell stays above its "
-            "cut-off of 3 V, found 1 of 2 rows; the current or the power may be too much for this "
-            "pack (--series, --parallel)");
+  EXPECT_EQ(
+      message("time_s,power_W\n0,1\n1,2\n"),
+      ":1:1: error: expected a mission of at least 10 rows, or of 10 s where rows lie farther apart, in "
+      "which the cell stays above its cut-off of 3 V, found 1 s in 2 of 2 rows");
+  EXPECT_EQ(
+      message("time_s,power_W\n0,1\n1,500\n"),
+      ":1:1: error: expected a mission of at least 10 rows, or of 10 s where rows lie farther apart, in "
+      "which the cell stays above its cut-off of 3 V, found 0 s in 1 of 2 rows; the current or the power "
+      "may be too much for this pack (--series, --parallel)");
   std::string strong = "time_s,power_W\n";
   for (int k = 0; k < 40; ++k) strong += std::to_string(k) + (k < 21 ? ",0\n" : ",50\n");
   EXPECT_EQ(
@@ -200,12 +214,12 @@ TEST(MissionFile, RefusesWhatIsNoMission) {
       "for this pack (--series, --parallel)");
   EXPECT_EQ(
       message("time_s,current_A\n0,0\n1,0.01\n700000,0.01\n"),
-      ":1:1: error: expected a mission of at most 2000000 rows and 7 days, since a simulator's "
-      "steps are walked through, found 3 rows over 8.1 days; give a part of it");
+      ":1:1: error: expected a mission of at most 2000000 steps and 7 days, since a simulator's "
+      "steps are walked through, found 700001 steps over 8.1 days; give a part of it");
   EXPECT_EQ(
       message("time_s,power_W\n0,1e-6\n1e12,1e-6\n"),
-      ":1:1: error: expected a mission of at most 2000000 rows and 7 days, since a simulator's "
-      "steps are walked through, found 1e+12 rows over 1.16e+07 days; give a part of it");
+      ":1:1: error: expected a mission of at most 2000000 steps and 7 days, since a simulator's "
+      "steps are walked through, found 1e+12 steps over 1.16e+07 days; give a part of it");
   EXPECT_EQ(message("time_s,power_W\n0,1\n1,nan\n"),
             ":3:3: error: expected a number for power_W, found 'nan'");
   EXPECT_EQ(message("time_s,power_W\n0,1\n0,2\n"),
