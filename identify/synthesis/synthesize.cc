@@ -17,6 +17,7 @@
 #include "identify/logs/discharge.h"
 #include "identify/synthesis/decimal_step.h"
 #include "identify/synthesis/plan_walk.h"
+#include "model/battery/arrhenius.h"
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
 #include "model/core/csv_writer.h"
@@ -169,6 +170,13 @@ std::vector<std::string> DoubtsAboutSynthesis(const Cell& cell,
                     options.current_noise_A,
                     options.current_noise_A / least_A,
                     least_A));
+  }
+  if (cell.temperature && cell.temperature->heat && options.ambient_degC.empty()) {
+    doubts.push_back(fmt::format(
+        "the cell warms under load, and without --ambient-degC no log tells its temperature: what is "
+        "identified from them may take the warming for charge transfer; --ambient-degC {:.4g} writes "
+        "temperature_degC",
+        cell.temperature->reference_K - kZeroCelsius_K));
   }
   return doubts;
 }

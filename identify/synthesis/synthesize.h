@@ -35,7 +35,8 @@ struct SynthesizedFile {
 /// Whether an earlier Synthesize() wrote the folder: its truth is there.
 [[nodiscard]] bool IsSynthesized(const std::string& folder);
 
-/// What makes such logs hard to read, in sentences: noise beside which a current is hardly seen.
+/// What makes such logs hard to read, in sentences: noise beside which a current is hardly seen, a cell that warms in
+/// logs without temperature.
 [[nodiscard]] std::vector<std::string> DoubtsAboutSynthesis(const Cell& cell,
                                                             const Protocol& protocol,
                                                             const SynthesisOptions& options);

@@ -204,6 +204,22 @@ TEST(Synthesize, SaysWhatMakesNoLogsOfALab) {
   EXPECT_NE(noisy.err.find("the noise of the current, 0.6 A, is 21 of the least current"),
             std::string::npos)
       << noisy.err;
+  Cell warms = LoadCell("gifi-600mAh-1");
+  warms.temperature.emplace().heat = HeatBalance<double>{15.0, 20.0};
+  WriteCellFile(warms, folder + "/warms.json");
+  std::vector<std::string> arguments{
+      "synthesize", "warms.json", "--sampling-s", "10", "-o", "warm"};
+  const char* doubt =
+      "the cell warms under load, and without --ambient-degC no log tells its temperature";
+  const auto untold = RunLipoid(folder, arguments);
+  EXPECT_EQ(untold.exit_code, 0) << untold.err;
+  EXPECT_NE(untold.err.find(doubt), std::string::npos) << untold.err;
+  EXPECT_NE(untold.err.find("; --ambient-degC 25 writes temperature_degC"), std::string::npos)
+      << untold.err;
+  arguments.insert(arguments.end(), {"--ambient-degC", "25"});
+  const auto told = RunLipoid(folder, arguments);
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.err.find(doubt), std::string::npos) << told.err;
 }
 
 }  // namespace
