@@ -205,7 +205,9 @@ TEST(Synthesize, SaysWhatMakesNoLogsOfALab) {
             std::string::npos)
       << noisy.err;
   Cell warms = LoadCell("gifi-600mAh-1");
-  warms.temperature.emplace().heat = HeatBalance<double>{15.0, 20.0};
+  Cell::Temperature& term = warms.temperature.emplace();
+  term.branches_J_per_mol.assign(warms.branches.size(), 0.0);
+  term.heat = HeatBalance<double>{15.0, 20.0};
   WriteCellFile(warms, folder + "/warms.json");
   std::vector<std::string> arguments{
       "synthesize", "warms.json", "--sampling-s", "10", "-o", "warm"};
