@@ -55,8 +55,8 @@ struct PlanGrid {
     v("voltage_noise_V",
       self.noise.white_V,
       Range{0.0, 1e3},
-      "standard deviation of the voltage's noise that is independent from row to row, V; without "
-      "coloured-noise-V at least what the fit of the cell left of its logs");
+      "standard deviation of the voltage's noise that is independent from row to row, V; at least "
+      "what the fit of the cell left of its logs, unless the slow errors are given");
     v("coloured_noise_V",
       self.coloured_noise_V,
       Range{0.0, 1e3},
