@@ -14,6 +14,7 @@
 #include "identify/joint/predicted_temperature.h"
 #include "identify/joint/steady_current.h"
 #include "identify/joint/structure_spread.h"
+#include "identify/logs/discharge.h"
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
@@ -453,11 +454,61 @@ class JointRun {
     return CutoffOf(solution, result_.logs, result_.setup, *campaign_.cutoff_V);
   }
 
-  void Fit() {
+  // A structure, and how slow and fast its branches may be.
+  void ChooseAll() {
     Choose(0.3, 0.3);
     if (ShowsNoDiffusion()) ChooseWithoutDiffusion();
     if (WantsSlower()) ChooseAmong(&JointSetup::slow_branches);
     if (WantsFaster()) ChooseAmong(&JointSetup::fast_branches);
+  }
+
+  // Branches slower than a rest, with tables of resistances, can stand in for a wrong alpha wherever the
+  // curve is given; what rests, by its last voltage, cannot be led away by them. The fit keeps its alpha
+  // where the two agree, for it knows what a rest that has not settled still has before it.
+  bool TakeAlphaOfRests() {
+    constexpr double kVague = 0.05;
+    constexpr double kWorthTelling = 0.02;
+    constexpr double kErrors = 2.0;
+    const JointSolution& best = result_.choice.best;
+    if (!free_alpha_ || !result_.setup.axis_follows_alpha || best.x.size() == 0) return false;
+    if (known_.Fixed("alpha") || known_.Bounds("alpha")) return false;
+    std::vector<std::vector<Segment>> segments;
+    std::vector<LogOfRests> rested;
+    segments.reserve(logs_.size());
+    for (const LoadedLog& log : logs_) {
+      if (log.entry.kind != LogKind::kPulses) continue;
+      segments.push_back(FindPulses(log.log.record));
+      rested.push_back({.record = &log.log.record,
+                        .segments = &segments.back(),
+                        .initial_soc = log.entry.initial_soc});
+    }
+    const auto rests = FindAlphaOfRests(rested, result_.setup.open_circuit_voltage);
+    if (!rests || rests->error_C > kVague * rests->alpha_C) return false;
+    const double fitted_C = best.rates.alpha_C;
+    if (std::abs(fitted_C - rests->alpha_C) <=
+        std::max(kErrors * rests->error_C, kWorthTelling * rests->alpha_C))
+      return false;
+    result_.alpha_of_rests = rests;
+    result_.alpha_source = "rests";
+    free_alpha_ = false;
+    diffusion_ = staged_options_.pulses.diffusion;
+    result_.setup.axis_follows_alpha = given_.reference != nullptr;
+    result_.setup.slow_branches = result_.setup.fast_branches = false;
+    Prepare(rests->alpha_C);
+    result_.cautions = {fmt::format(
+        "alpha is {:.4g} Ah, by which the ends of {} rests lie on the given v_oc(A), to {:.2g} Ah: left to the fit of "
+        "all rows it would be {:.4g} Ah, with slow branches that make up for it. beta and the resistances take it as "
+        "exact; --alpha-C gives another one",
+        rests->alpha_C / 3600.0,
+        rests->rests,
+        rests->error_C / 3600.0,
+        fitted_C / 3600.0)};
+    return true;
+  }
+
+  void Fit() {
+    ChooseAll();
+    if (TakeAlphaOfRests()) ChooseAll();
     WithTask(0.3, 0.6, [&](const ChoiceTask& task) {
       result_.choice = FinishChoice(task, std::move(result_.choice));
     });

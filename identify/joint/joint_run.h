@@ -19,6 +19,7 @@
 #include "identify/joint/heat_fit.h"
 #include "identify/joint/joint_choice.h"
 #include "identify/joint/reference_curve.h"
+#include "identify/stages/open_circuit_voltage_from_rests.h"
 #include "identify/stages/staged_run.h"
 
 namespace lipoid {
@@ -54,6 +55,9 @@ struct JointResult {
   /// Standard deviation of a charge that was counted: of the noise of the current, where that was the
   /// instrument's own.
   double counting_C = 0.0;
+
+  /// What fixed alpha where the fit would have moved it away from the rests.
+  std::optional<AlphaOfRests> alpha_of_rests = {};
 
   /// The axis of the cell against that of the fit.
   [[nodiscard]] FitAxis Axis() const {

@@ -38,6 +38,15 @@ TrustedQuantity Alpha(const JointResult& result, const LinearizedFit& fit) {
   return q;
 }
 
+// Of rests: no row of the fit tells it, for which alpha was held.
+TrustedQuantity AlphaByRests(const JointResult& result, const LinearizedFit& fit) {
+  TrustedQuantity q = fit.Quantity("alpha", "C", result.alpha_C);
+  q.lower = std::min(result.least_alpha_C, q.value);
+  q.from_elsewhere = true;
+  q.added_spread = Eigen::VectorXd::Constant(1, result.alpha_of_rests->error_C);
+  return q;
+}
+
 // What a small steady current sees at half charge: often known where its parts are not.
 TrustedQuantity Total(const JointResult& result, const LinearizedFit& fit) {
   const JointSolution& best = result.choice.best;
@@ -70,6 +79,7 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
     });
   }
   if (result.cutoff.found) quantities.insert(quantities.begin(), Alpha(result, fit));
+  if (result.alpha_of_rests) quantities.insert(quantities.begin(), AlphaByRests(result, fit));
   TrustOptions with_held = options;
   with_held.held.insert(with_held.held.end(), fit.held.begin(), fit.held.end());
   // Nobody draws cells from what is only planned.

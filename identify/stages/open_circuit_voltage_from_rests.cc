@@ -30,11 +30,7 @@ struct Line {
 
 // The least-squares line through the rows [first, last] whose stamps lie in [from_s, to_s]; the
 // mean of the rows where fewer than three do, the nearest row where none does.
-Line FitLine(const Record& record,
-             const Segment& rows,
-             double from_s,
-             double to_s,
-             double at_s) {
+Line FitLine(const Record& record, const Segment& rows, double from_s, double to_s, double at_s) {
   double n = 0.0;
   double t = 0.0;
   double v = 0.0;
@@ -169,8 +165,7 @@ void GuessBelow(const std::vector<Place>& rising,
 
 }  // namespace
 
-OcvFromRests FindOpenCircuitVoltageFromRests(const std::vector<LogOfRests>& logs,
-                                             double alpha_C) {
+OcvFromRests FindOpenCircuitVoltageFromRests(const std::vector<LogOfRests>& logs, double alpha_C) {
   Require(alpha_C > 0.0, "alpha_C > 0", {{"alpha_C", alpha_C}});
   Require(!logs.empty(), "logs of pulses, at least one", {});
   const std::vector<Place> places = KeepRising(FindRests(logs, alpha_C));
@@ -233,6 +228,40 @@ std::optional<double> ChargeToCutoff(const std::vector<LogOfRests>& logs, double
     if (charge_C > most_C.value_or(0.0)) most_C = charge_C;
   }
   return most_C;
+}
+
+std::optional<AlphaOfRests> FindAlphaOfRests(const std::vector<LogOfRests>& logs,
+                                             const OpenCircuitVoltage& curve) {
+  constexpr double kDeepEnough = 0.5;
+  const double empty_V = curve(curve.soc_lo());
+  const double full_V = curve(curve.soc_hi());
+  std::vector<std::pair<double, double>> taken;  // by the curve, and in C
+  double xx = 0.0;
+  double xq = 0.0;
+  double x_drift = 0.0;
+  double deepest = 0.0;
+  for (const auto& [rest, log, segment] : FindRests(logs, 1.0)) {
+    const double charge_C = log->initial_soc - rest.soc;  // over an alpha of 1 C
+    if (!(charge_C > 0.0) || rest.voltage_V < empty_V || rest.voltage_V > full_V) continue;
+    const double soc = curve.SocAtVoltage(rest.voltage_V);
+    const double x = log->initial_soc - soc;  // (4.59)
+    if (!(x > 0.0)) continue;
+    taken.emplace_back(x, charge_C);
+    xx += x * x;
+    xq += x * charge_C;
+    x_drift += x * std::abs(curve.SocAtVoltage(rest.voltage_V + rest.drift_V) - soc);
+    deepest = std::max(deepest, x);
+  }
+  if (taken.size() < kFewestRests || deepest < kDeepEnough) return std::nullopt;
+  const double alpha_C = xq / xx;
+  double square = 0.0;
+  for (const auto& [x, charge_C] : taken)
+    square += (x - charge_C / alpha_C) * (x - charge_C / alpha_C);
+  const auto n = static_cast<double>(taken.size());
+  const double scatter = std::sqrt(square / (n - 1.0) / (xx / n));
+  return AlphaOfRests{.alpha_C = alpha_C,
+                      .error_C = alpha_C * std::hypot(scatter, x_drift / xx),
+                      .rests = taken.size()};
 }
 
 }  // namespace lipoid

@@ -77,4 +77,18 @@ struct OcvFromRests {
 [[nodiscard]] std::optional<double> ChargeToCutoff(const std::vector<LogOfRests>& logs,
                                                    double cutoff_V);
 
+/// What alpha must be for the rests to lie on a v_oc(A) that is given over the whole charge.
+struct AlphaOfRests {
+  double alpha_C = 0.0;
+  /// Of what was still relaxing, by drift_V, and of what the rests disagree by, which is taken as one
+  /// error of all of them: a curve that is a little off is off at neighbouring states of charge.
+  double error_C = 0.0;
+  std::size_t rests = 0;
+};
+
+/// By least squares of the states of charge. None where fewer than kFewestRests rests lie within the
+/// curve, or none of them half a charge below the start.
+[[nodiscard]] std::optional<AlphaOfRests> FindAlphaOfRests(const std::vector<LogOfRests>& logs,
+                                                           const OpenCircuitVoltage& curve);
+
 }  // namespace lipoid

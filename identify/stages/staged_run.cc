@@ -481,7 +481,8 @@ std::string AlphaSourceInWords(std::string_view source) {
       {"low-rate-charge", "the charge of the low-rate log"},
       {"pulse-charge", "the charge of the pulses"},
       {"nominal-capacity", "the nominal capacity"},
-      {"delivered-charge", "what the deepest log delivered"}};
+      {"delivered-charge", "what the deepest log delivered"},
+      {"rests", "by which the rests lie on the given v_oc"}};
   for (const auto& [name, words] : kWords) {
     if (name == source) return std::string(words);
   }

@@ -457,6 +457,10 @@ class Assessment {
     const Eigen::VectorXd freedom = DegreesOfFreedom(inverse);
     Eigen::MatrixXd all = terms_ * covariance * terms_.transpose();
     AddSpread(quantities_, all);
+    for (Eigen::Index k = 0; k < all.rows(); ++k) {
+      const TrustedQuantity& q = quantities_[static_cast<std::size_t>(k)];
+      if (q.from_elsewhere) all(k, k) = q.added_spread.squaredNorm();
+    }
     report_.covariance = all;
     double squares = 0.0;
     for (std::size_t l = 0; l < logs_.size(); ++l) {
@@ -479,8 +483,8 @@ class Assessment {
       trust.unit = q.unit;
       trust.estimate = q.value;
       trust.degrees_of_freedom = freedom[index];
-      const bool held = q.at_bound || term.isZero(0.0);
-      const bool known_at_all = !held && known.Knows(term);
+      const bool held = !q.from_elsewhere && (q.at_bound || term.isZero(0.0));
+      const bool known_at_all = q.from_elsewhere || (!held && known.Knows(term));
       const double variance = std::max(0.0, all(index, index));
       trust.standard_error = held ? kNaN : known_at_all ? std::sqrt(variance) : kInfinity;
       trust.model_standard_error = q.added_spread.norm();
@@ -490,10 +494,11 @@ class Assessment {
       trust.high = std::clamp(q.value + reach * trust.standard_error, q.lower, q.upper);
       const double spread = term.dot(inverse * term);
       // A plan has no residuals from which the formula could take the noise.
-      trust.white_standard_error = options_.assumed ? kNaN
-                                   : known_at_all   ? std::sqrt(white * spread)
-                                                    : trust.standard_error;
-      trust.objective_rise_95 = known_at_all ? reach * reach * variance / spread : kNaN;
+      trust.white_standard_error = options_.assumed || q.from_elsewhere ? kNaN
+                                   : known_at_all                       ? std::sqrt(white * spread)
+                                                                        : trust.standard_error;
+      trust.objective_rise_95 =
+          known_at_all && !q.from_elsewhere ? reach * reach * variance / spread : kNaN;
       for (Eigen::Index n = 0; n < term.size(); ++n)
         trust.insensitive = trust.insensitive || (term[n] != 0.0 && !(information_(n, n) > 0.0));
       if (held) {

@@ -53,7 +53,9 @@ struct TrustedQuantity {
   double upper = std::numeric_limits<double>::infinity();
   bool at_bound = false;             ///< the parameters of the combination are held
   Eigen::VectorXd combination = {};  ///< length p; for one parameter a unit vector
-  double scale = 0.0;                ///< a change that is of note; 0: |value|
+  bool from_elsewhere =
+      false;           ///< known by added_spread, and not by these rows: a combination of zeros
+  double scale = 0.0;  ///< a change that is of note; 0: |value|
   /// What is not in the scatter of the rows, the choice among models and the error of the model's
   /// own tables: independent moves, the same for all quantities, whose squares add to the variance
   /// and whose products to a covariance. Those that are missing at the end are zero.

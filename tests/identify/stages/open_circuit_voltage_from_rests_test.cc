@@ -201,6 +201,43 @@ TEST(ChargeToCutoff, IsTheChargeOverTheStateOfChargeAtTheStart) {
 // 9 mV, is in both.
 constexpr double kDerived_V = 0.001;
 
+// alpha for which the rests of that record lie on that curve.
+std::optional<AlphaOfRests> AlphaOf(const Record& record, const OpenCircuitVoltage& curve) {
+  const auto segments = FindPulses(record);
+  return FindAlphaOfRests({{.record = &record, .segments = &segments}}, curve);
+}
+
+TEST(OpenCircuitVoltageFromRests, SettledRestsTellTheAlphaOfAGivenCurve) {
+  const Cell truth = TruthRelaxingIn();
+  const auto found = AlphaOf(Pulses(truth, 0.6, 225.0, 2025.0), truth.open_circuit_voltage);
+  ASSERT_TRUE(found);
+  EXPECT_GE(found->rests, 8U);
+  // 1 uV is e^-20 of what was dropped; v_oc rises by more than 0.1 V over the charge.
+  EXPECT_NEAR(found->alpha_C, truth.alpha_C(), 1e-5 * truth.alpha_C());
+  EXPECT_LT(found->error_C, 1e-4 * truth.alpha_C());
+}
+
+// e^-2 of the branch is still to come: rests lie below the curve, and alpha comes out too small.
+TEST(OpenCircuitVoltageFromRests, AlphaOfRestsThatHaveNotSettledIsWithinItsError) {
+  const double rest_s = 900.0;
+  const Cell truth = TruthRelaxingIn(0.5 * rest_s);
+  const auto found = AlphaOf(Pulses(truth, 0.6, 225.0, 225.0 + rest_s), truth.open_circuit_voltage);
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->alpha_C, (1.0 - 1e-3) * truth.alpha_C());
+  EXPECT_GT(found->alpha_C + found->error_C, truth.alpha_C());
+  EXPECT_LT(found->error_C, 0.05 * truth.alpha_C());
+}
+
+TEST(OpenCircuitVoltageFromRests, RestsNearFullOrBeyondTheCurveTellNoAlpha) {
+  const Cell truth = TruthRelaxingIn();
+  Record record = Pulses(truth, 0.6, 225.0, 2025.0);
+  const auto high = OpenCircuitVoltage::Linear({0.0, 1.0}, {4.3, 4.4});
+  EXPECT_FALSE(AlphaOf(record, high));
+  for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V})
+    column->resize(4 * 2025);  // four tenths of the charge
+  EXPECT_FALSE(AlphaOf(record, truth.open_circuit_voltage));
+}
+
 TEST(OpenCircuitVoltageFromRests, NasaAsTheLastRecordsOfItsRestsHaveIt) {
   for (const int age : {1, 2, 3, 4, 5}) {
     const std::string folder = "nasa_rw26_ageing/age" + std::to_string(age) + "/";

@@ -63,6 +63,7 @@ const ALPHA_SOURCES = {
   "pulse-charge": "the charge of the pulses",
   "nominal-capacity": "the nominal capacity",
   "delivered-charge": "what the deepest log delivered",
+  rests: "the ends of the rests on the given curve",
   given: "a given value",
 };
 
