@@ -103,8 +103,8 @@ void AddCautions(const FlightSamples& samples,
   }
   if (samples.coherence < kCoherent) {
     cautions.push_back(fmt::format(
-        "voltage and current are not of the same instant: their changes agree to {:.0f} % "
-        "at best, over windows of {:.2g} s, so that fast drops are not resolved",
+        "voltage and current are not of the same instant, or the current hardly changes: their changes agree to "
+        "{:.0f} % at best, over windows of {:.2g} s, so that fast drops are not resolved",
         100.0 * samples.coherence,
         samples.window_s));
   }

@@ -321,7 +321,7 @@ void Collector::FailBackwards(std::size_t row, double fell_s) const {
       fmt::format(
           "expected time to increase, found '{}'{}; {}if the clock starts anew with each step or "
           "cycle, pick some with `steps` or `cycles`, or name a column that runs on with "
-          "`columns = {{time_s = \"...\"}}`",
+          "`columns = {{time_s = \"...\"}}`; logs that were joined are read one by one",
           reader_.TextOf(row, column),
           last,
           hint));

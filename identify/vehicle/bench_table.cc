@@ -105,16 +105,40 @@ struct Found {
   Unit unit;
 };
 
+bool BeginsLike(const Column& column, const std::string& name) {
+  return std::any_of(column.begins.begin(), column.begins.end(), [&](auto begin) {
+    return name.starts_with(begin);
+  });
+}
+
+// "Motor Optical Speed (RPM)", "Prop RPM", "krpm": a speed, and not of the air.
+bool NamesASpeed(const std::string& name) {
+  const auto has = [&](std::string_view part) { return name.find(part) != std::string::npos; };
+  return (has("rpm") || has("speed")) && !has("air") && !has("wind") && !has("electrical");
+}
+
 std::optional<Found> Find(const Column& column,
                           const std::vector<TextCell>& header,
                           const std::string& file,
                           std::size_t line) {
+  const bool begins = std::any_of(header.begin(), header.end(), [&](const TextCell& cell) {
+    return BeginsLike(column, Split(cell.text).name);
+  });
   for (std::size_t field = 0; field < header.size(); ++field) {
-    const Header found = Split(header[field].text);
-    const bool named = std::any_of(column.begins.begin(), column.begins.end(), [&](auto begin) {
-      return found.name.starts_with(begin);
-    });
+    Header found = Split(header[field].text);
+    const bool named = begins
+                           ? BeginsLike(column, found.name)
+                           : column.member == &BenchRow::speed_rad_per_s && NamesASpeed(found.name);
     if (!named) continue;
+    if (found.name.find("erpm") != std::string::npos) {
+      throw LoadError(
+          {file, line, header[field].column},
+          fmt::format(
+              "speed: expected that of the propeller, found '{}', electrical revolutions: divide "
+              "them by the pairs of poles of the motor, and call the column rpm",
+              header[field].text));
+    }
+    if (found.unit.empty() && found.name == "krpm") found.unit = found.name;
     for (const Unit& unit : column.units) {
       if (unit.factor != 0.0 && unit.name == found.unit) return Found{field, unit};
     }

@@ -31,7 +31,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
       "Predicts the voltage of measured logs from their current and says how far off it is: mean "
       "and maximum of the relative error (4.57), (4.58) and the root mean square, over all rows "
       "and over those above 10 % state of charge. The first line judges the prediction as `lipoid "
-      "identify` judges a fit; the exit code is 0 whatever it says.",
+      "identify` judges a fit, by errors over which every log counts the same; the exit code is 0 whatever it says.",
       "lipoid validate cell.json pulses.csv flight.csv");
   line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   line.InputArguments("LOG", files, "logs of any known format");

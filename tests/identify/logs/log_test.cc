@@ -428,7 +428,7 @@ void PrintTo(const Wrong& wrong, std::ostream* os) { *os << wrong.what; }
 
 const std::string kStartsAnew =
     "if the clock starts anew with each step or cycle, pick some with `steps` or `cycles`, or name a "
-    "column that runs on with `columns = {time_s = \"...\"}`";
+    "column that runs on with `columns = {time_s = \"...\"}`; logs that were joined are read one by one";
 
 const std::string kExportSo =
     "; numbers of this file are read with a decimal point and without marks for thousands: export "

@@ -97,6 +97,36 @@ TEST(BenchTable, NumbersMayHaveADecimalComma) {
   EXPECT_EQ(table.rows[3].current_A, 19.88);
 }
 
+TEST(BenchTable, ASpeedIsFoundBehindOtherWords) {
+  const auto with = [](const std::string& header, const std::string& value) {
+    std::string text = "duty,voltage (V),current (A),thrust (N)," + header + "\n";
+    for (const char* row : {"0.5,16,4,1,", "0.6,16,5,2,", "0.7,16,6,3,", "0.8,16,7,4,"})
+      text += row + value + "\n";
+    return ParseBenchTable(text, "b.csv");
+  };
+  const double rad_per_s = 100.0 * 2.0 * std::numbers::pi;
+  for (const auto& [header, value] :
+       {std::pair{"Motor Optical Speed (RPM)", "6000"},
+        {"Prop RPM", "6000"},
+        {"KRPM", "6"},
+        {"Motor Electrical Speed (RPM),Motor Optical Speed (RPM)", "1,6000"}}) {
+    const auto table = with(header, value);
+    ASSERT_TRUE(table.has_speed) << header;
+    EXPECT_DOUBLE_EQ(table.rows[0].speed_rad_per_s, rad_per_s) << header;
+  }
+  for (const char* of_air : {"Airspeed", "Wind speed (km/h)", "Air speed (m/s)"})
+    EXPECT_FALSE(with(of_air, "3").has_speed) << of_air;
+  try {
+    with("eRPM", "42000");
+    FAIL();
+  } catch (const LoadError& error) {
+    EXPECT_EQ(
+        std::string(error.what()),
+        "b.csv:1:41: error: speed: expected that of the propeller, found 'eRPM', electrical revolutions: "
+        "divide them by the pairs of poles of the motor, and call the column rpm");
+  }
+}
+
 TEST(BenchTable, EveryMistakeHasItsPlace) {
   const std::string header = "throttle (%),voltage (V),current (A),thrust (g)\n";
   EXPECT_EQ(Refusal("throttle (%),voltage (V),thrust (g)\n"),

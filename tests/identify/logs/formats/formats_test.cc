@@ -352,7 +352,7 @@ TEST(LogFormats, AClockThatRestartsInBdfIsRefusedAndReadWithAnotherColumn) {
                 "starts anew with each "
                 "step or cycle, pick some with `steps` or `cycles`, or name a column that runs on "
                 "with `columns = "
-                "{time_s = \"...\"}`");
+                "{time_s = \"...\"}`; logs that were joined are read one by one");
   ExpectTheTest(ReadLog(file, {.columns = {{"time_s", "unix_time_second"}}}).record,
                 kTime_s.size());
   const Log step = ReadLog(file, {.current_sign = "discharge-negative", .steps = {2}});
