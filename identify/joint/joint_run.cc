@@ -462,9 +462,9 @@ class JointRun {
     if (WantsFaster()) ChooseAmong(&JointSetup::fast_branches);
   }
 
-  // Branches slower than a rest, with tables of resistances, can stand in for a wrong alpha wherever the
-  // curve is given; what rests, by its last voltage, cannot be led away by them. The fit keeps its alpha
-  // where the two agree, for it knows what a rest that has not settled still has before it.
+  // On a given curve branches slower than a rest, with tables of resistances, can stand in for a wrong alpha.
+  // The voltage at the end of a rest is measured, and its state of charge follows from the curve alone. The fit
+  // keeps its alpha where the two agree, for it knows what a rest that has not settled still has before it.
   bool TakeAlphaOfRests() {
     constexpr double kVague = 0.05;
     constexpr double kWorthTelling = 0.02;
@@ -497,7 +497,7 @@ class JointRun {
     Prepare(rests->alpha_C);
     result_.cautions = {fmt::format(
         "alpha is {:.4g} Ah, by which the ends of {} rests lie on the given v_oc(A), to {:.2g} Ah: left to the fit of "
-        "all rows it would be {:.4g} Ah, with slow branches that make up for it. beta and the resistances take it as "
+        "all rows it would be {:.4g} Ah, which these rests contradict. beta and the resistances take this alpha as "
         "exact; --alpha-C gives another one",
         rests->alpha_C / 3600.0,
         rests->rests,

@@ -482,7 +482,7 @@ std::string AlphaSourceInWords(std::string_view source) {
       {"pulse-charge", "the charge of the pulses"},
       {"nominal-capacity", "the nominal capacity"},
       {"delivered-charge", "what the deepest log delivered"},
-      {"rests", "by which the rests lie on the given v_oc"}};
+      {"rests", "the ends of the rests on the given curve"}};
   for (const auto& [name, words] : kWords) {
     if (name == source) return std::string(words);
   }

@@ -111,10 +111,13 @@ bool BeginsLike(const Column& column, const std::string& name) {
   });
 }
 
+bool Has(const std::string& name, std::string_view part) {
+  return name.find(part) != std::string::npos;
+}
+
 // "Motor Optical Speed (RPM)", "Prop RPM", "krpm": a speed, and not of the air.
 bool NamesASpeed(const std::string& name) {
-  const auto has = [&](std::string_view part) { return name.find(part) != std::string::npos; };
-  return (has("rpm") || has("speed")) && !has("air") && !has("wind") && !has("electrical");
+  return (Has(name, "rpm") || Has(name, "speed")) && !Has(name, "air") && !Has(name, "wind");
 }
 
 std::optional<Found> Find(const Column& column,
@@ -124,19 +127,16 @@ std::optional<Found> Find(const Column& column,
   const bool begins = std::any_of(header.begin(), header.end(), [&](const TextCell& cell) {
     return BeginsLike(column, Split(cell.text).name);
   });
+  const TextCell* electrical = nullptr;  // of a speed, refused where there is no other
   for (std::size_t field = 0; field < header.size(); ++field) {
     Header found = Split(header[field].text);
     const bool named = begins
                            ? BeginsLike(column, found.name)
                            : column.member == &BenchRow::speed_rad_per_s && NamesASpeed(found.name);
     if (!named) continue;
-    if (found.name.find("erpm") != std::string::npos) {
-      throw LoadError(
-          {file, line, header[field].column},
-          fmt::format(
-              "speed: expected that of the propeller, found '{}', electrical revolutions: divide "
-              "them by the pairs of poles of the motor, and call the column rpm",
-              header[field].text));
+    if (Has(found.name, "erpm") || Has(found.name, "electrical")) {
+      if (electrical == nullptr) electrical = &header[field];
+      continue;
     }
     if (found.unit.empty() && found.name == "krpm") found.unit = found.name;
     for (const Unit& unit : column.units) {
@@ -150,6 +150,14 @@ std::optional<Found> Find(const Column& column,
                                 column.what,
                                 column.expected,
                                 header[field].text));
+  }
+  if (electrical != nullptr) {
+    throw LoadError(
+        {file, line, electrical->column},
+        fmt::format(
+            "speed: expected that of the propeller, found '{}', electrical revolutions: divide "
+            "them by the pairs of poles of the motor, and call the column rpm",
+            electrical->text));
   }
   return {};
 }

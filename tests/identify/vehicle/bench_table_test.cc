@@ -109,6 +109,7 @@ TEST(BenchTable, ASpeedIsFoundBehindOtherWords) {
        {std::pair{"Motor Optical Speed (RPM)", "6000"},
         {"Prop RPM", "6000"},
         {"KRPM", "6"},
+        {"eRPM,Prop RPM", "1,6000"},
         {"Motor Electrical Speed (RPM),Motor Optical Speed (RPM)", "1,6000"}}) {
     const auto table = with(header, value);
     ASSERT_TRUE(table.has_speed) << header;
@@ -116,6 +117,7 @@ TEST(BenchTable, ASpeedIsFoundBehindOtherWords) {
   }
   for (const char* of_air : {"Airspeed", "Wind speed (km/h)", "Air speed (m/s)"})
     EXPECT_FALSE(with(of_air, "3").has_speed) << of_air;
+  EXPECT_THROW(with("Motor Electrical Speed (RPM)", "42000"), LoadError);
   try {
     with("eRPM", "42000");
     FAIL();
