@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "identify/health/followed_current.h"
 #include "identify/logs/columns.h"
 #include "identify/logs/flight/flight_log.h"
 #include "identify/logs/flight/updates.h"
@@ -70,39 +70,6 @@ std::size_t TrimUnplugging(Record& record) {
   }
   return dropped;
 }
-
-// Rows with a new voltage; while the voltage stays the same longer than its update, a row each
-// update.
-std::vector<std::size_t> FreshRows(const Record& record, double update_s) {
-  std::vector<std::size_t> rows;
-  const double row_s = MedianInterval(record.time_s);
-  const bool staircase = update_s > 1.5 * row_s;
-  double last_s = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < record.size(); ++k) {
-    const bool changed = k == 0 || record.voltage_V[k] != record.voltage_V[k - 1];
-    if (staircase && !changed && record.time_s[k] - last_s < 1.2 * update_s) continue;
-    rows.push_back(k);
-    last_s = record.time_s[k];
-  }
-  return rows;
-}
-
-// Interpolates at rising times.
-class Follower {
- public:
-  explicit Follower(const Column& time_s) : time_s_(time_s) {}
-  /// The row before, and the share of the next.
-  std::pair<std::size_t, double> operator()(double at_s) {
-    while (k_ + 2 < time_s_.size() && time_s_[k_ + 1] <= at_s) ++k_;
-    while (k_ > 0 && time_s_[k_] > at_s) --k_;
-    const double share = (at_s - time_s_[k_]) / (time_s_[k_ + 1] - time_s_[k_]);
-    return {k_, std::clamp(share, 0.0, 1.0)};
-  }
-
- private:
-  const Column& time_s_;
-  std::size_t k_ = 0;
-};
 
 using Windows = std::vector<std::pair<std::size_t, std::size_t>>;
 
@@ -245,6 +212,14 @@ void RefuseIdleFlight(const Record& record, double capacity_Ah) {
   }
 }
 
+std::optional<std::string> FlightSamples::SaidOfNoise() const {
+  if (!(unfollowed_share > 0.0)) return std::nullopt;
+  return fmt::format(
+      "the current wavers by {:.2g} % of its largest value from row to row, and the voltage does not follow: that is "
+      "noise of the sensor or of other instants, and the current without it is taken to have flowed",
+      100.0 * unfollowed_share);
+}
+
 FlightSamples SampleFlight(const Log& log) {
   FlightSamples flight;
   flight.record = Thinned(log.record);
@@ -254,8 +229,14 @@ FlightSamples SampleFlight(const Log& log) {
   flight.current_update_s = UpdateInterval(record.time_s, record.current_A);
   flight.largest_A = LargestMagnitude(record.current_A);
   for (const Gap& gap : FindGaps(record)) flight.gap_C += gap.unknown_C;
-  flight.fresh = FreshRows(record, flight.voltage_update_s);
+  flight.fresh = FreshRows(record.time_s, record.voltage_V, flight.voltage_update_s);
   ChooseWindows(flight);
+  if (auto followed = TakeOutUnfollowed(flight)) {
+    record.current_A = std::move(followed->current_A);
+    flight.unfollowed_share = followed->noise_A / flight.largest_A;
+    flight.coherence = 0.0;
+    ChooseWindows(flight);
+  }
   flight.voltage_V.resize(static_cast<Eigen::Index>(flight.windows.size()));
   for (std::size_t w = 0; w < flight.windows.size(); ++w) {
     const auto [first, end] = flight.windows[w];

@@ -11,6 +11,8 @@
 /// tests/identify/health/flight_samples_test.cc, tests/tools/health_test.cc.
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +20,23 @@
 #include "identify/logs/log.h"
 
 namespace lipoid {
+
+/// Interpolates at rising times.
+class Follower {
+ public:
+  explicit Follower(const Column& time_s) : time_s_(time_s) {}
+  /// The row before, and the share of the next.
+  std::pair<std::size_t, double> operator()(double at_s) {
+    while (k_ + 2 < time_s_.size() && time_s_[k_ + 1] <= at_s) ++k_;
+    while (k_ > 0 && time_s_[k_] > at_s) --k_;
+    const double share = (at_s - time_s_[k_]) / (time_s_[k_ + 1] - time_s_[k_]);
+    return {k_, std::clamp(share, 0.0, 1.0)};
+  }
+
+ private:
+  const Column& time_s_;
+  std::size_t k_ = 0;
+};
 
 struct FlightSamples {
   Record record;                   ///< rows at which the cell is stepped
@@ -33,9 +52,13 @@ struct FlightSamples {
   double coherence = 0.0;            ///< correlation of their changes there, with the sign turned
   double edge_resistance_Ohm = 0.0;  ///< what those changes show, at least 0
   double largest_A = 0.0;
+  double unfollowed_share =
+      0.0;  ///< noise that was taken out of the current (followed_current.h), of the largest
   double gap_C = 0.0;            ///< that may have flowed in gaps between the rows
   std::size_t dropped_rows = 0;  ///< at the end, while the plug was pulled
 
+  /// What is said of that noise; none where none was taken out.
+  [[nodiscard]] std::optional<std::string> SaidOfNoise() const;
   /// Values at all rows of the record as the windows see them: taken `after_s` earlier, with straight
   /// lines between rows, and averaged.
   [[nodiscard]] Eigen::MatrixXd InWindows(const Eigen::MatrixXd& at_rows, double after_s) const;

@@ -175,6 +175,8 @@ FlightsAlone FitFlightsAlone(const Campaign& campaign, const std::vector<LoadedL
           found.doubts.push_back(std::move(doubt));
       }
     }
+    if (auto said = flight.SaidOfNoise())
+      found.cautions.push_back(fmt::format("{}: {}", loaded.entry.file, *said));
     if (flight.coherence < kCoherent) {
       found.cautions.push_back(fmt::format(
           "{}: voltage and current are not of the same instant (their changes agree to {:.0f} %): "

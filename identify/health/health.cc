@@ -108,6 +108,7 @@ void AddCautions(const FlightSamples& samples,
         100.0 * samples.coherence,
         samples.window_s));
   }
+  if (auto said = samples.SaidOfNoise()) cautions.push_back(std::move(*said));
   if (fit.nearly_as_likely && health.capacity_Ah.known()) {
     cautions.push_back(fmt::format(
         "a pack of {:.3g} Ah would explain this flight nearly as well: the intervals reach towards it, and a longer "

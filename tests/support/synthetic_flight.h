@@ -27,9 +27,10 @@ struct FlightRecorder {
   double voltage_step_V = 0.01;  ///< of the pack
   double current_step_A = 0.01;
   double voltage_noise_V = 0.01;
-  double lag_s = 0.1;     ///< of the voltage after the current
-  double scale = 1.0;     ///< true over shown current
-  double offset_A = 0.0;  ///< shown where none flows
+  double current_noise_A = 0.0;
+  double lag_s = 0.1;                  ///< of the voltage after the current
+  double scale = 1.0;                  ///< true over shown current
+  double offset_A = 0.0;               ///< shown where none flows
   double temperature_step_degC = 0.0;  ///< of a thermometer at the cell; 0: there is none
 };
 
@@ -46,6 +47,7 @@ struct FlightPlan {
   double rest_before_s = 8.0;
   double rest_after_s = 5.0;
   double idle_A = 0.3;
+  double unrest = 1.0;  ///< of climbs and gusts: 0 is a hover in still air
   std::uint64_t seed = 1;
 };
 
@@ -93,7 +95,7 @@ inline SyntheticFlight FlyAndLog(const Cell& truth,
       }
       const double keep = std::exp(-kStep_s / 0.7);
       gust = keep * gust + 0.15 * std::sqrt(1.0 - keep * keep) * normal(engine);
-      i = hover_A * std::clamp(1.0 + climb + gust, 0.2, 2.5);
+      i = hover_A * std::clamp(1.0 + plan.unrest * (climb + gust), 0.2, 2.5);
     }
     charge_C += kStep_s * i;
     if (landed_s < 0.0 && charge_C > enough_C) landed_s = t;
@@ -119,7 +121,10 @@ inline SyntheticFlight FlyAndLog(const Cell& truth,
     const double t = time_s[k] + 1e-9;  // past the rounding of the steps
     flight.largest_A = std::max(flight.largest_A, current_A[k]);
     if (t >= next_current_s) {
-      shown_A = round(current_A[k] / recorder.scale + recorder.offset_A, recorder.current_step_A);
+      const double noise_A =
+          recorder.current_noise_A > 0.0 ? recorder.current_noise_A * normal(engine) : 0.0;
+      shown_A = round(current_A[k] / recorder.scale + recorder.offset_A + noise_A,
+                      recorder.current_step_A);
       next_current_s += recorder.current_update_s;
     }
     if (t >= next_voltage_s) {

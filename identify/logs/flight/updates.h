@@ -34,4 +34,18 @@ namespace lipoid {
   return intervals.empty() ? MedianInterval(time_s) : Median(std::move(intervals));
 }
 
+/// Rows with a new value; while the value stays the same longer than its update, a row each update.
+[[nodiscard]] inline std::vector<std::size_t> FreshRows(std::span<const double> time_s,
+                                                        std::span<const double> values,
+                                                        double update_s) {
+  std::vector<std::size_t> rows;
+  const bool staircase = update_s > 1.5 * MedianInterval(time_s);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const bool changed = k == 0 || values[k] != values[k - 1];
+    if (staircase && !changed && time_s[k] - time_s[rows.back()] < 1.2 * update_s) continue;
+    rows.push_back(k);
+  }
+  return rows;
+}
+
 }  // namespace lipoid

@@ -54,7 +54,14 @@ Cell AgedCell(double capacity, double resistance, std::mt19937_64& engine) {
 }
 
 // Flies that many packs, and counts which intervals hold the truth.
-void ExpectCoverage(int flights, double temperature_step_degC, std::uint64_t seed) {
+struct Conditions {
+  double temperature_step_degC = 0.0;  // of the thermometer; 0: there is none
+  double current_noise_A = 0.0;
+  double unrest = 1.0;  // of the flight
+  double offset_reach_A = 0.5;
+  int least_share = 88;
+};
+void ExpectCoverage(int flights, std::uint64_t seed, const Conditions& conditions) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::vector<Log> logs;
@@ -67,11 +74,13 @@ void ExpectCoverage(int flights, double temperature_step_degC, std::uint64_t see
     plan.start_soc = 0.85 + 0.15 * uniform(engine);
     plan.charge_share = plan.start_soc - 0.15 - 0.35 * uniform(engine);
     plan.hover_rate_per_h = 3.0 + 4.0 * uniform(engine);
+    plan.unrest = conditions.unrest;
     plan.seed = seed + static_cast<std::uint64_t>(k);
     FlightRecorder recorder = k % 2 == 0 ? LikePx4() : LikeArduPilot();
-    recorder.temperature_step_degC = temperature_step_degC;
+    recorder.temperature_step_degC = conditions.temperature_step_degC;
+    recorder.current_noise_A = conditions.current_noise_A;
     recorder.scale = 0.9 + 0.2 * uniform(engine);
-    recorder.offset_A = 0.5 * (2.0 * uniform(engine) - 1.0);
+    recorder.offset_A = conditions.offset_reach_A * (2.0 * uniform(engine) - 1.0);
     recorder.lag_s *= 2.0 * uniform(engine);
     SyntheticFlight flight =
         FlyAndLog(cell, kSeries, plan, recorder, "flight_" + std::to_string(k));
@@ -116,16 +125,24 @@ void ExpectCoverage(int flights, double temperature_step_degC, std::uint64_t see
                 count,
                 width[name] / count);
     EXPECT_GE(count, flights * 9 / 10) << name;
-    EXPECT_GE(share, 88) << name;
+    EXPECT_GE(share, conditions.least_share) << name;
   }
 }
 
-TEST(HealthCoverage, IntervalsCoverTheTruth) { ExpectCoverage(100, 0.0, 20261122); }
+TEST(HealthCoverage, IntervalsCoverTheTruth) { ExpectCoverage(100, 20261122, {}); }
 
 // A pack warms by 10 degC, and its resistance falls by a quarter. Taken by its steps, a temperature in whole degrees
 // moves the voltage to and fro by more than anything else, and the intervals of the start and of the end missed.
 TEST(HealthCoverage, IntervalsCoverTheTruthBesideAThermometerOfWholeDegrees) {
-  ExpectCoverage(50, 1.0, 7);
+  ExpectCoverage(50, 7, {.temperature_step_degC = 1.0});
+}
+
+// A calm hover whose current sensor has noise of a tenth of what flows: as long as that was taken for a current,
+// 40 and 39 of 50 intervals of the resistance, as the sensor counts and corrected, held the truth. The end of
+// so calm a flight is told less well, whatever the noise: 42 of 50 in still air without any.
+TEST(HealthCoverage, IntervalsCoverTheTruthOfACalmHoverWithANoisyCurrentSensor) {
+  ExpectCoverage(
+      50, 8, {.current_noise_A = 2.0, .unrest = 0.3, .offset_reach_A = 0.2, .least_share = 84});
 }
 
 // One pack, one sensor, 60 flights in which it loses 30 % of its capacity and its resistance grows by
