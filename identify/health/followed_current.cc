@@ -135,12 +135,14 @@ Following FollowedBy(const FlightSamples& flight) {
 
 std::optional<FollowedCurrent> TakeOutUnfollowed(const FlightSamples& flight) {
   constexpr double kMatters = 0.3;       // of the noise of the voltage
+  constexpr double kLeastShare = 0.003;  // of the largest current: less moves nothing that is asked
   constexpr double kMostFollowed = 0.5;  // of the noise, by the voltage
   constexpr double kSurely = 5.0;        // standard deviations: the lag is the best of many
   const Record& record = flight.record;
   const double edge_Ohm = flight.edge_resistance_Ohm;  // by the largest changes
   if (!(edge_Ohm > 0.0)) return std::nullopt;
   const Following following = FollowedBy(flight);
+  if (!(following.current_A > kLeastShare * flight.largest_A)) return std::nullopt;
   if (!(following.current_A * edge_Ohm > kMatters * following.voltage_V)) return std::nullopt;
   if (following.resistance_Ohm + kSurely * following.deviation_Ohm > kMostFollowed * edge_Ohm)
     return std::nullopt;

@@ -9,6 +9,7 @@
 #include "identify/health/flight_problem.h"
 #include "identify/joint/held_shape.h"
 #include "identify/logs/columns.h"
+#include "identify/logs/formats/layout.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/segments.h"
@@ -306,6 +307,12 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   Log one = log;
   DivideByPack(one.record, options.series, 1);
   CheckPlausible(one.record, reference.cell.alpha_C() / 3600.0, options.series);
+  const bool at_one_temperature = one.report.format == kSimulatedFlight.name &&
+                                  one.record.temperature_degC.empty() && !options.ambient_degC;
+  if (at_one_temperature) {
+    one.record.temperature_degC =
+        Column(one.record.size(), CelsiusOf(reference.cell.temperature->reference_K));
+  }
   const FlightSamples samples = SampleFlight(one);
   const Record& record = samples.record;
 
@@ -436,6 +443,11 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   DoubtTheResistance(health);
   DoubtTheCapacity(new_capacity_Ah, health);
   AddCautions(samples, fit, reference, health);
+  if (at_one_temperature) {
+    health.cautions.emplace_back(
+        "the log is of a flight that lipoid simulated without a temperature: the pack is taken to have been at the "
+        "reference temperature all the time");
+  }
   if (log.report.flight) {
     for (std::string& doubt :
          DoubtsAboutPack(*log.report.flight, options.series, options.capacity_Ah.value_or(0.0)))

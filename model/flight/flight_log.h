@@ -5,18 +5,21 @@
 /// Visit() is the only list of its columns; docs/formats.md describes them.
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include "model/core/csv_writer.h"
+#include "model/core/special_values.h"
 #include "model/vehicle/allocation.h"
 
 namespace lipoid {
 
 struct FlightSample {
-  /// Names the columns of a vehicle of so many rotors.
-  [[nodiscard]] static FlightSample OfRotors(std::size_t rotors) {
+  /// Names the columns of a vehicle of so many rotors, on a cell that warms or one that knows no temperature.
+  [[nodiscard]] static FlightSample OfRotors(std::size_t rotors, bool warms) {
     FlightSample sample;
+    if (warms) sample.temperature_degC = 0.0;
     for (MotorValues* values : {&sample.speed_rad_per_s, &sample.duty, &sample.current_A}) {
       values->assign(rotors, 0.0);
     }
@@ -39,7 +42,8 @@ struct FlightSample {
   MotorValues current_A = MotorValues(4, 0.0);
   double battery_V = 0.0;
   double battery_A = 0.0;
-  double soc = 0.0;  ///< NaN with an ideal source
+  double soc = 0.0;                ///< NaN with an ideal source
+  double temperature_degC = kNaN;  ///< of the cell; NaN, and no column, where it knows none
 
   [[nodiscard]] double altitude_m() const { return position_m[2]; }
 
@@ -95,6 +99,7 @@ struct FlightSample {
     v("battery_V", battery_V);
     v("battery_A", battery_A);
     v("soc", soc);
+    if (!std::isnan(temperature_degC)) v("temperature_degC", temperature_degC);
   }
 };
 
@@ -102,9 +107,9 @@ struct FlightSample {
 /// appears at Commit(), whole or not at all. OptionError where it cannot be written.
 class FlightLogWriter {
  public:
-  /// With columns for so many rotors.
-  explicit FlightLogWriter(const std::string& file, std::size_t rotors = 4)
-      : csv_(file, Header(rotors)) {}
+  /// With the columns of FlightSample::OfRotors().
+  FlightLogWriter(const std::string& file, std::size_t rotors, bool warms)
+      : csv_(file, Header(rotors, warms)) {}
   void Row(const FlightSample& sample) {
     row_.clear();
     sample.Visit([&](const char*, double value) { row_.push_back(value); });
@@ -113,9 +118,9 @@ class FlightLogWriter {
   void Commit() { csv_.Commit(); }
 
  private:
-  static std::string Header(std::size_t rotors) {
+  static std::string Header(std::size_t rotors, bool warms) {
     std::string header;
-    FlightSample::OfRotors(rotors).Visit([&](const char* name, double) {
+    FlightSample::OfRotors(rotors, warms).Visit([&](const char* name, double) {
       if (!header.empty()) header += ',';
       header += name;
     });

@@ -197,8 +197,7 @@ class Simulation {
     result_.final_voltage_V = electrical.battery_V;
     result_.final_soc = Soc();
     result_.rest_soc = battery_ ? battery_->rest_soc() : std::numeric_limits<double>::quiet_NaN();
-    if (setup_.cell && setup_.cell->temperature)
-      result_.final_temperature_degC = battery_->temperature_degC();
+    if (setup_.Warms()) result_.final_temperature_degC = battery_->temperature_degC();
     metrics_.Report(result_);
     result_.minimum_voltage_V = std::min(result_.minimum_voltage_V, result_.final_voltage_V);
     if (result_.steps > 0) result_.saturated_share = double(saturated_) / double(result_.steps);
@@ -324,6 +323,7 @@ class Simulation {
     s.battery_V = electrical.battery_V;
     s.battery_A = electrical.battery_A;
     s.soc = Soc();
+    if (setup_.Warms()) s.temperature_degC = battery_->temperature_degC();
     return s;
   }
 

@@ -88,6 +88,8 @@ struct FlightSetup {
   double land_below_V = 0.0;
   /// Flies instead of lipoid's controller and estimator; outlives the flight, one at a time.
   FlightCode* flight_code = nullptr;
+
+  [[nodiscard]] bool Warms() const { return cell && cell->temperature; }
 };
 
 /// OptionError where a flight cannot start at this state of charge: empty, or far beyond full.

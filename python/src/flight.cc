@@ -94,9 +94,8 @@ nb::tuple FlyManeuver(const std::string& name,
   if (asked.duration_s) plan.duration_s = *asked.duration_s;
 
   std::vector<std::string> names;
-  FlightSample::OfRotors(setup.vehicle.rotor_count()).Visit([&](const char* column, double) {
-    names.emplace_back(column);
-  });
+  FlightSample::OfRotors(setup.vehicle.rotor_count(), setup.Warms())
+      .Visit([&](const char* column, double) { names.emplace_back(column); });
   std::vector<std::vector<double>> columns(names.size());
   const auto every = std::max(1LL, std::llround(asked.LogStep_s(plan.duration_s) / kControlStep_s));
   Json summary;

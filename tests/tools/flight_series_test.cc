@@ -36,7 +36,7 @@ const std::vector<double>& ColumnOf(const Series& series, const std::string& nam
 }
 
 TEST(FlightSeries, HasEveryRowWhereThereIsRoom) {
-  FlightSeries recorded;
+  FlightSeries recorded(4, false);
   for (std::size_t k = 0; k < 1000; ++k) recorded.Row(SampleAt(k, 500));
   const Series series = Thinned(recorded.Take("a.csv"), kPlenty);
   EXPECT_EQ(series.kind, "flight");
@@ -54,7 +54,7 @@ TEST(FlightSeries, KeepsPeaksOfAFlightThatIsThinned) {
   constexpr std::size_t kRows = 300'000;
   constexpr std::size_t kPeak = 123'457;
   constexpr std::size_t kBytes = 40'000;
-  FlightSeries recorded;
+  FlightSeries recorded(4, false);
   for (std::size_t k = 0; k < kRows; ++k) recorded.Row(SampleAt(k, kPeak));
   const Series series = Thinned(recorded.Take(""), kBytes);
   EXPECT_EQ(series.rows, kRows);

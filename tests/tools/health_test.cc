@@ -653,6 +653,36 @@ TEST(Health, OfASimulatedFlightConvergesToWhatThePackIs) {
       << mistyped.out;
 }
 
+// `fly` knows whether the pack warmed, and its log says so: taken to warm as a typical pack does, a flight at one
+// temperature had all of its intervals elsewhere.
+TEST(Health, OfASimulatedFlightIsAsWarmAsItWasFlown) {
+  const std::string folder = TestFolder();
+  for (const bool warms : {false, true}) {
+    std::vector<std::string> fly{
+        "fly", "hover", "--cell", "gifi-600mAh-1", "--duration", "150", "-o", "flight.csv"};
+    if (warms) fly.insert(fly.end(), {"--ambient-degC", "25"});
+    ASSERT_EQ(RunLipoid(folder, fly).exit_code, 0);
+    const auto run = RunLipoid(folder,
+                               {"health",
+                                "--cell",
+                                "gifi-600mAh-1",
+                                "--series",
+                                "1",
+                                "flight.csv",
+                                "--summary",
+                                "s.json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const Json flight = ReadJson(folder, "s.json").at("flights").at(0);
+    EXPECT_TRUE(flight.at("temperature_known").get<bool>());
+    EXPECT_EQ(run.out.find("without a temperature") != std::string::npos, !warms) << run.out;
+    const auto holds = [&](const char* key, double truth) {
+      return flight.at(key)[0].get<double>() <= truth && truth <= flight.at(key)[1].get<double>();
+    };
+    EXPECT_TRUE(holds("capacity_interval_95", 0.376)) << flight;
+    EXPECT_TRUE(holds("soc_start_interval_95", 1.0)) << flight;
+  }
+}
+
 TEST(Health, CountsAFlightOnce) {
   const std::string folder = TestFolder();
   const auto health = [&](std::vector<std::string> files) {

@@ -275,11 +275,13 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                      : kPlacedGainsHint);
   }
 
+  if (asked.log_step_s && output.empty() && line.report_file().empty())
+    line.Message("--log-step-s is of the flight log: name one (-o flight.csv)");
   std::optional<FlightLogWriter> log;
   std::optional<FlightSeries> series;
   FlightRecorder recorder;
-  if (!output.empty()) log.emplace(output, setup.vehicle.rotor_count());
-  if (!line.report_file().empty()) series.emplace(setup.vehicle.rotor_count());
+  if (!output.empty()) log.emplace(output, setup.vehicle.rotor_count(), setup.Warms());
+  if (!line.report_file().empty()) series.emplace(setup.vehicle.rotor_count(), setup.Warms());
   if (log || series) {
     const auto every = std::max(1LL, std::llround(step_s / kControlStep_s));
     recorder = [&log, &series, every, k = 0LL](const FlightSample& sample) mutable {

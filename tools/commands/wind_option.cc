@@ -10,7 +10,13 @@
 namespace lipoid {
 
 void WindOption::AddTo(cli::CommandLine& line, WindOptions& wind, const std::string& directions) {
-  line.Text("wind", text, "X[,Y[,Z]]", fmt::format("velocity of the air {}, m/s", directions));
+  line.Text("wind",
+            text,
+            "X[,Y[,Z]]",
+            fmt::format("velocity of the air {}, m/s; {:g} .. {:g}",
+                        directions,
+                        WindOptions::kSpeedRange.lo,
+                        WindOptions::kSpeedRange.hi));
   line.Option(
       "gusts",
       wind.gusts_m_per_s,

@@ -12,9 +12,11 @@ constexpr const char* kTime = "time_s";  // has a type of its own
 // Rows in memory: 7 MB.
 constexpr std::size_t kMostRows = std::size_t{1} << 16;
 
-std::vector<std::string> LogColumns(std::size_t rotors) {
+std::vector<std::string> LogColumns(std::size_t rotors, bool warms) {
   std::vector<std::string> names;
-  FlightSample::OfRotors(rotors).Visit([&](const char* name, double) { names.emplace_back(name); });
+  FlightSample::OfRotors(rotors, warms).Visit([&](const char* name, double) {
+    names.emplace_back(name);
+  });
   return names;
 }
 
@@ -31,7 +33,7 @@ bool IsShownOfFlight(const std::string& column) {
          !column.ends_with("_rate_rad_per_s") && !column.starts_with("current_");
 }
 
-FlightSeries::FlightSeries(std::size_t rotors) : names_(LogColumns(rotors)) {
+FlightSeries::FlightSeries(std::size_t rotors, bool warms) : names_(LogColumns(rotors, warms)) {
   for (std::size_t k = 0; k < names_.size(); ++k) {
     if (names_[k] != kTime && IsShownOfFlight(names_[k])) shown_.push_back(k);
   }

@@ -4,7 +4,7 @@
 /// A flight as a series of a report, made while it flies. Memory does not grow with the flight.
 /// Tests: tests/tools/flight_series_test.cc.
 ///
-///   FlightSeries series;
+///   FlightSeries series(rotors, warms);
 ///   const FlightResult flight = Fly(setup, plan, [&](const FlightSample& s) { series.Row(s); });
 ///   line.report_series().push_back(series.Take("flight.csv"));
 
@@ -22,8 +22,8 @@ namespace lipoid {
 
 class FlightSeries {
  public:
-  /// Of a vehicle of so many rotors.
-  explicit FlightSeries(std::size_t rotors = 4);
+  /// With the columns of FlightSample::OfRotors().
+  FlightSeries(std::size_t rotors, bool warms);
 
   void Row(const FlightSample& sample);
 

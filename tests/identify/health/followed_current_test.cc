@@ -49,6 +49,7 @@ FlightSamples Sampled(const Record& shown) {
   std::iota(samples.fresh.begin(), samples.fresh.end(), std::size_t{0});
   samples.voltage_update_s = samples.current_update_s = kRow_s;
   samples.edge_resistance_Ohm = kResistance_Ohm;
+  samples.largest_A = 14.0;
   return samples;
 }
 
