@@ -62,6 +62,18 @@ Estimate Capacity(const Cell& cell) {
   return estimate;
 }
 
+// Resistances are those at half charge, so that they are of one place only where it is known how far apart the
+// halves may be: by intervals of the capacities, which those of the resistances hold, or because they are the same.
+bool ShareHalfCharge(const Cell& a, const Cell& b) {
+  constexpr double kSame = 0.01;
+  const Estimate first = Capacity(a);
+  const Estimate now = Capacity(b);
+  const auto known = [](const Estimate& e) {
+    return std::isfinite(e.low) && std::isfinite(e.high);
+  };
+  return (known(first) && known(now)) || std::abs(now.value / first.value - 1.0) <= kSame;
+}
+
 Estimate Beta(const Cell& cell) {
   Estimate estimate =
       Parameter(cell, "beta", cell.diffusion ? cell.diffusion->beta_per_sqrt_s : kNaN, 1.0);
@@ -174,11 +186,13 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
                        std::string unit,
                        double same_by_law_K,
                        auto&& estimate_of) {
-    AgedQuantity quantity{std::move(name), std::move(what), std::move(unit), {}};
+    AgedQuantity quantity{name, std::move(what), std::move(unit), {}};
     const Estimate first = estimate_of(cells.front());
     bool known = false;
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      const Estimate now = estimate_of(cells[k]);
+      Estimate now = estimate_of(cells[k]);
+      if (name.starts_with("resistance") && !ShareHalfCharge(cells.front(), cells[k]))
+        now.low = now.high = kNaN;
       // Where one cell does not know at which temperature it was seen, nobody knows that they are alike.
       const double off_K = std::abs(now.temperature_degC - first.temperature_degC);
       const bool both_unknown =

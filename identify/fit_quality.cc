@@ -67,7 +67,7 @@ void CountCutoff(const Cell& cell, Judgement& judgement) {
       fmt::format(
           "v_oc(A) is down to the cut-off of {:.4g} V at a state of charge of {:.2f}, so that "
           "alpha, {:.3g} Ah, is not the charge that these logs show: look at initial_soc and "
-          "at what was given for alpha",
+          "at where alpha is from",
           cell.cutoff_V,
           soc,
           cell.alpha_C() / 3600.0));

@@ -116,7 +116,8 @@ std::vector<NamedCombination> PulseResistancesIn(const LinearizedFit& fit,
 
 void TakePulseResistances(const std::vector<double>& values_Ohm,
                           const PulseQuestion& question,
-                          TrustReport& trust) {
+                          TrustReport& trust,
+                          const std::vector<double>& beside_Ohm) {
   const double freedom = MiddleFreedom(trust);
   for (std::size_t k = 0; k < values_Ohm.size(); ++k) {
     const auto at = std::find(trust.drawn.begin(), trust.drawn.end(), Name(question.after_s[k]));
@@ -124,7 +125,9 @@ void TakePulseResistances(const std::vector<double>& values_Ohm,
     if (at != trust.drawn.end()) {
       const auto index = at - trust.drawn.begin();
       const double variance = trust.drawn_covariance(index, index);
-      if (freedom > 0.0 && variance > 0.0) reach_Ohm = Reach95(freedom) * std::sqrt(variance);
+      const double beside = beside_Ohm.empty() ? 0.0 : beside_Ohm[k];
+      if (freedom > 0.0 && variance > 0.0)
+        reach_Ohm = Reach95(freedom) * std::hypot(std::sqrt(variance), beside);
     }
     trust.resistance.push_back({.after_s = question.after_s[k],
                                 .current_A = question.current_A,

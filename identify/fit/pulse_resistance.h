@@ -40,9 +40,11 @@ struct PulseQuestion {
                                                                const PulseQuestion& question);
 
 /// Sets the resistances of a report, with the intervals that it found for these combinations, which
-/// are the last of what was drawn and leave it: no cell is drawn from them.
+/// are the last of what was drawn and leave it: no cell is drawn from them. `beside_Ohm` are standard
+/// deviations that the fit does not know; empty: none.
 void TakePulseResistances(const std::vector<double>& values_Ohm,
                           const PulseQuestion& question,
-                          TrustReport& trust);
+                          TrustReport& trust,
+                          const std::vector<double>& beside_Ohm = {});
 
 }  // namespace lipoid

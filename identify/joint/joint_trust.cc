@@ -1,6 +1,8 @@
 #include "identify/joint/joint_trust.h"
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "identify/fit/pulse_resistance.h"
 #include "identify/joint/joint_drawn.h"
@@ -31,10 +33,19 @@ TrustedQuantity Alpha(const JointResult& result, const LinearizedFit& fit) {
     return (of_lower + of_upper) *
            OpenCircuitVoltageIn(solution, result.setup.open_circuit_voltage, cutoff.soc);
   });
-  if (result.counting_C > 0.0) {
+  // Below the last row v_oc(A) falls faster than its last slope, nobody knows how much: over the tenth of the charge
+  // in which it bends, what that slope adds is not known to better than itself.
+  constexpr double kBend = 0.1;
+  constexpr double kMostShare = 0.5;
+  const auto add = [&q](double deviation) {
     q.added_spread.conservativeResize(q.added_spread.size() + 1);
-    q.added_spread[q.added_spread.size() - 1] = result.counting_C;
+    q.added_spread[q.added_spread.size() - 1] = deviation;
+  };
+  if (cutoff.extrapolated) {
+    const double beyond = result.choice.best.structure.voltage_soc[cutoff.lower] - cutoff.soc;
+    add(std::max(0.0, -per_soc_C * beyond * std::min(kMostShare, beyond / kBend)));
   }
+  if (result.counting_C > 0.0) add(result.counting_C);
   return q;
 }
 
@@ -65,6 +76,36 @@ TrustedQuantity Total(const JointResult& result, const LinearizedFit& fit) {
   return q;
 }
 
+// Half charge on the axis of the fit, and 1C, of so many times the alpha that was found.
+PulseQuestion AtHalfCharge(const JointResult& result, double alphas) {
+  constexpr double kHalf = 0.5;
+  FitAxis axis = result.Axis();
+  axis.alpha_ratio *= alphas;
+  PulseQuestion question{.soc = axis(kHalf), .current_A = alphas * result.alpha_C / 3600.0};
+  if (result.choice.best.structure.temperature)
+    question.temperature_degC = CelsiusOf(result.logs.told_K);
+  return question;
+}
+
+// Standard deviations of the resistances at half charge: half of an alpha that follows the fit is another place
+// on its axis.
+std::vector<double> ByAlpha(const JointResult& result, const TrustReport& report) {
+  const QuantityTrust* alpha = FindQuantity(report, "alpha");
+  if (alpha == nullptr || result.setup.axis_follows_alpha) return {};
+  constexpr double kFarthest = 0.5;
+  const double share = std::min(alpha->relative_standard_error, kFarthest);
+  if (!(share > 0.0)) return {};
+  const auto at = [&](double alphas) {
+    return PulseResistancesOf(
+        result.choice.best, result.setup, result.logs.typical_A, AtHalfCharge(result, alphas));
+  };
+  std::vector<double> moved_Ohm = at(1.0 + share);
+  const std::vector<double> back_Ohm = at(1.0 - share);
+  for (std::size_t k = 0; k < moved_Ohm.size(); ++k)
+    moved_Ohm[k] = 0.5 * std::abs(moved_Ohm[k] - back_Ohm[k]);
+  return moved_Ohm;
+}
+
 }  // namespace
 
 TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) {
@@ -85,9 +126,7 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   // Nobody draws cells from what is only planned.
   if (!options.assumed) with_held.drawn = DrawnOfJoint(result, quantities, fit.Linear(0));
 
-  // Half charge on the axis of the fit, and 1C.
-  PulseQuestion question{.soc = result.Axis()(0.5), .current_A = result.alpha_C / 3600.0};
-  if (best.structure.temperature) question.temperature_degC = CelsiusOf(result.logs.told_K);
+  const PulseQuestion question = AtHalfCharge(result, 1.0);
   const auto resistances = [&](const JointSolution& solution) {
     return PulseResistancesOf(solution, result.setup, result.logs.typical_A, question);
   };
@@ -98,7 +137,7 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   }
   with_held.drawn.insert(with_held.drawn.end(), pulses.begin(), pulses.end());
   TrustReport report = AssessTrust(fit.logs, fit.penalty, quantities, with_held);
-  TakePulseResistances(resistances(best), question, report);
+  TakePulseResistances(resistances(best), question, report, ByAlpha(result, report));
   return report;
 }
 

@@ -88,6 +88,13 @@ struct DischargeTimesResult {
   double beta_start_per_sqrt_s = std::numeric_limits<double>::quiet_NaN();
   std::vector<Row> rows;
   ErrorMetrics errors;  ///< of the times
+
+  /// Whether the times leave the law of (4.53) by more than measurements do: it knows no drop over the
+  /// resistance, which ends discharges to a high cut-off before diffusion does.
+  [[nodiscard]] bool LeaveTheLaw() const {
+    constexpr double kMost_percent = 3.0;
+    return errors.mean_error_percent > kMost_percent;
+  }
 };
 
 /// From where stage 3 starts when nothing is known of beta: Tables 4.8-4.13 give 0.18 to 0.21.

@@ -353,6 +353,14 @@ class StagedRun {
     const SweepParameters& p = result_.pulses.parameters;
     auto& say = result_.cautions;
     if (std::string held = given_.HeldInWords(); !held.empty()) say.push_back(std::move(held));
+    if (result_.discharge_times && result_.discharge_times->LeaveTheLaw()) {
+      say.push_back(fmt::format(
+          "the discharge times are {:.2g} % off those of any alpha and beta on average, {:.2g} % at most: the drop over "
+          "the resistance ends these discharges, too, where the cut-off lies high. The interval of alpha reaches as "
+          "far; the joint method counts the drop (--method joint)",
+          result_.discharge_times->errors.mean_error_percent,
+          result_.discharge_times->errors.max_error_percent));
+    }
     if (result_.low_rate_charge_C > 0.0) {
       const double full = result_.low_rate_charge_C / low_rate_->entry.initial_soc;
       const double ratio = result_.alpha_C / full;

@@ -1,5 +1,7 @@
 #include "identify/stages/staged_trust.h"
 
+#include <cmath>
+
 #include "identify/fit/pulse_resistance.h"
 #include "identify/trust/cell_uncertainty.h"
 
@@ -25,10 +27,13 @@ TrustReport AssessStaged(const VoltageSweep& sweep,
 
   if (times) {
     constexpr double kUnknowns = 2.0;  // alpha and the lag of (4.53)
+    // What the law leaves of the times is no noise then, and does not average out over them.
+    const double of_law_C =
+        times->LeaveTheLaw() ? 0.01 * times->errors.mean_error_percent * times->alpha_C : 0.0;
     QuantityTrust alpha = TrustOfEstimate("alpha",
                                           "C",
                                           times->alpha_C,
-                                          times->alpha_standard_error_C,
+                                          std::hypot(times->alpha_standard_error_C, of_law_C),
                                           static_cast<double>(times->rows.size()) - kUnknowns);
     report.quantities.insert(report.quantities.begin(), std::move(alpha));
     const Eigen::Index size = report.covariance.rows();

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "model/battery/arrhenius.h"
@@ -50,6 +51,17 @@ TEST(Ageing, TellsAChangeFromNone) {
   EXPECT_EQ(found[2].name, "resistance_1s");
   EXPECT_NEAR(found[2].at[1].change_percent, 10.0, 1e-9);
   EXPECT_EQ(found[2].at[1].verdict, ChangeVerdict::kNotShown) << "10 % with 14 % each way";
+}
+
+// Half charge is another place where the charge is not known.
+TEST(Ageing, ResistancesAtHalvesOfUnknownChargesAreNotCompared) {
+  const Cell known = Aged("new", 2000.0, 30.0, 0.10, 0.001);
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const auto verdict = [&](double alpha_C) {
+    return CompareAges({known, Aged("old", alpha_C, none, 0.11, 0.001)})[2].at[1].verdict;
+  };
+  EXPECT_EQ(verdict(1500.0), ChangeVerdict::kNoInterval);
+  EXPECT_EQ(verdict(2010.0), ChangeVerdict::kChanged);
 }
 
 // A fit that does not describe its own logs has numbers, too.
