@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "identify/comparison/comparison_report.h"
 #include "identify/identification.h"
@@ -40,6 +41,20 @@ std::vector<const OptimizerEntry*> FindOptimizers(const std::vector<std::string>
 
 void ComparisonRequest::Resolve() {
   (void)FindOptimizers(optimizers);
+  const GivenParameters& given = staged.given.parameters;
+  const auto refuse = [&](const auto& words, std::string_view option) {
+    for (const auto& [name, value] : words) {
+      if (!time_constants || !name.starts_with("c_")) continue;
+      throw OptionError(fmt::format(
+          "--{} {} goes with capacitances, which --time-constants puts tau_{} in place of: say it of that",
+          option,
+          name,
+          name.substr(2)));
+    }
+  };
+  refuse(given.fixed, "fix");
+  refuse(given.start, "start");
+  refuse(given.bounds, "bounds");
   staged.Resolve();
 }
 

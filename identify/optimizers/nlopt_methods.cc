@@ -105,8 +105,38 @@ double Unit(Monitor& monitor, bool uses_gradient) {
   return unit > 0.0 ? unit : 1.0;
 }
 
-OptimizationSummary Ended(
-    Monitor& monitor, nlopt_result result, const char* why, bool limit, bool uses_gradient) {
+// Whether a step down the gradient, within the bounds, lowers the cost by more than what is left where a search of
+// finite tolerances ends.
+bool StillFalls(const OptimizationProblem& problem, const Monitor& monitor) {
+  constexpr double kClearly = 1e-3;   // of the cost
+  constexpr double kWorthIt = 1e-10;  // of that at the start: nobody gains from less
+  const Eigen::VectorXd x = monitor.best();
+  const double cost = monitor.best_cost();
+  Monitor beside(problem, monitor.start());  // that counts apart
+  Eigen::VectorXd gradient;
+  if (!std::isfinite(beside.Gradient(x, gradient)) || !gradient.allFinite()) return false;
+  const auto down = [&](double length) -> Eigen::VectorXd {
+    return (x - length * gradient).cwiseMax(monitor.lower()).cwiseMin(monitor.upper());
+  };
+  const double size = x.norm() > 0.0 ? x.norm() : 1.0;
+  const double less = std::max(kClearly * cost, kWorthIt * beside.Cost(monitor.start()));
+  for (double step = 0.1 * size; step > 1e-5 * size; step *= 0.25) {
+    if (beside.Cost(down(step / gradient.norm())) < cost - less) return true;
+  }
+  return false;
+}
+
+OptimizationSummary Ended(const OptimizationProblem& problem,
+                          Monitor& monitor,
+                          nlopt_result result,
+                          const char* why,
+                          bool limit,
+                          bool uses_gradient) {
+  if (uses_gradient && result > 0 && StillFalls(problem, monitor)) {
+    return monitor.Finish(
+        Termination::kStalled,
+        "It stopped short: the cost still falls from here by a thousandth or more, down its gradient.");
+  }
   switch (result) {
     case NLOPT_XTOL_REACHED:
       return monitor.Finish(Termination::kConverged, "The steps became small (step_tolerance).");
@@ -160,7 +190,8 @@ OptimizationSummary Minimize(const Method& method,
   std::vector<double> x(monitor.start().begin(), monitor.start().end());
   double cost = 0.0;
   const nlopt_result result = nlopt_optimize(library.get(), x.data(), &cost);
-  return Ended(monitor,
+  return Ended(problem,
+               monitor,
                result,
                nlopt_get_errmsg(library.get()),
                monitor.iterations() >= most,

@@ -115,13 +115,15 @@ std::string ParametersText(const Comparison& comparison, bool diffusion) {
 std::string BestText(const Comparison& comparison) {
   const std::string cost = Significant(comparison.best_cost, 6);
   if (comparison.best_optimizer.empty()) return "Best: none\n";
+  const bool started_at_random = comparison.runs.size() > comparison.results.size();
   std::string text = fmt::format("Best: {}, cost {} V².", comparison.best_optimizer, cost);
   if (!comparison.tied.empty()) {
     text = fmt::format(
-        "A tie: {} and {} fit equally well (cost {} V²; their errors differ by less "
+        "A tie: {} and {} fit equally well{} (cost {} V²; their errors differ by less "
         "than a millionth).",
         comparison.best_optimizer,
         fmt::join(comparison.tied, ", "),
+        started_at_random ? ", each from its best start, where the table is from the first" : "",
         cost);
   }
   return cli::Wrapped(
@@ -145,7 +147,7 @@ std::string BoundsText(const Comparison& comparison, double decades) {
             lower != (found - v.lower < comparison.boxed[k].upper - found))
           continue;
         who.push_back(r.optimizer);
-        value = found;
+        value = lower ? v.lower : comparison.boxed[k].upper;
       }
       if (who.empty()) continue;
       std::string what;

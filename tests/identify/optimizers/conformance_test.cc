@@ -455,6 +455,19 @@ std::vector<OptimizerEntry> WithGradient() {
 INSTANTIATE_TEST_SUITE_P(Table, OptimizerConformance, testing::ValuesIn(Optimizers()), TestName);
 INSTANTIATE_TEST_SUITE_P(Table, GradientConformance, testing::ValuesIn(WithGradient()), TestName);
 
+// A step that changes the cost little is no answer where a step down the gradient would change it much.
+TEST(OptimizerTable, SaysWhereTheCostStillFalls) {
+  const DenseProblem valley = Rosenbrock();
+  OptimizerSettings hasty;
+  hasty.sqp.function_tolerance = 0.95;
+  const auto stopped = FindOptimizer("sqp").Minimize(valley, Eigen::Vector2d(-1.2, 1.0), hasty);
+  ASSERT_GT(stopped.cost, 1e-3);
+  EXPECT_EQ(stopped.termination, Termination::kStalled);
+  EXPECT_NE(stopped.message.find("the cost still falls"), std::string::npos) << stopped.message;
+  EXPECT_EQ(FindOptimizer("sqp").Minimize(valley, Eigen::Vector2d(-1.2, 1.0), {}).termination,
+            Termination::kConverged);
+}
+
 TEST(OptimizerTable, NamesTheElevenInTheOrderOfTheThesis) {
   std::vector<std::string_view> names;
   for (const auto& row : Optimizers()) names.push_back(row.name);
