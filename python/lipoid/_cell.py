@@ -125,6 +125,7 @@ class Cell:
 
     _core: CoreCell
     _file = ""  # that it was read from
+    _drawn_from: tuple[str, ...] = ()  # files behind the cell that it was drawn from
 
     def __init__(self, *_given: Any, **_named: Any) -> None:
         raise TypeError(
@@ -133,10 +134,11 @@ class Cell:
         )
 
     @classmethod
-    def _of(cls, core: CoreCell, file: str = "") -> Cell:
+    def _of(cls, core: CoreCell, file: str = "", drawn_from: tuple[str, ...] = ()) -> Cell:
         cell = cls.__new__(cls)
         cell._core = core
         cell._file = file
+        cell._drawn_from = drawn_from
         return cell
 
     @classmethod
@@ -196,7 +198,8 @@ class Cell:
     @property
     def _inputs_of_run(self) -> list[str]:
         run = self.to_dict().get("run")
-        return inputs_of(run.get("inputs")) if isinstance(run, dict) else []
+        of_run = inputs_of(run.get("inputs")) if isinstance(run, dict) else []
+        return [*of_run, *self._drawn_from]
 
     @property
     def _inputs(self) -> list[str]:
@@ -207,14 +210,15 @@ class Cell:
 
         A pack is not multiplied: ``cell.pack(3).pack(2)`` is 2 in series, and ``pack()`` the cell.
         """
-        return Cell._of(self._core.pack({"series": series, "parallel": parallel}), self._file)
+        core = self._core.pack({"series": series, "parallel": parallel})
+        return Cell._of(core, self._file, self._drawn_from)
 
     def with_typical_temperature(self) -> Cell:
         """Return the cell with typical temperature terms, where it has none of its own."""
         return (
             self
             if self._core.knows_temperature
-            else Cell._of(self._core.with_typical_temperature(), self._file)
+            else Cell._of(self._core.with_typical_temperature(), self._file, self._drawn_from)
         )
 
     def open_circuit_voltage(self, soc: npt.ArrayLike) -> FloatArray:
@@ -443,7 +447,7 @@ class Cell:
         several = whole("count", count, most=_MOST_CELLS)
         drawn, doubt = self._core.resample(several, whole_seed(seed))
         self._tell(doubt)
-        return [Cell._of(one) for one in drawn]
+        return [Cell._of(one, drawn_from=tuple(self._inputs)) for one in drawn]
 
     def to_pybamm(self, *, initial_soc: float = 1.0) -> interoperability.PybammCell:
         """Make PyBaMM's Thevenin model with diffusion element, and its parameter values.
@@ -484,11 +488,12 @@ class Cell:
             (f"r_{k}", one["resistance_Ohm"]) for k, one in enumerate(data["branches"], 1)
         ]
 
-    def __getstate__(self) -> str:
-        return self._core.to_json()
+    def __getstate__(self) -> tuple[str, str, tuple[str, ...]]:
+        return self._core.to_json(), self._file, self._drawn_from
 
-    def __setstate__(self, state: str) -> None:
-        self._core = _core.parse_cell(state, "cell")
+    def __setstate__(self, state: tuple[str, str, tuple[str, ...]]) -> None:
+        text, self._file, self._drawn_from = state
+        self._core = _core.parse_cell(text, "cell")
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Cell) and self._itself() == other._itself()

@@ -63,7 +63,13 @@ class Health(Reportable):
         return f"<p>{escape(self.sentence)}</p>{html}"
 
 
-@takes(_core.describe_health)
+def describe_health() -> list[dict[str, Any]]:
+    """Options of the health of a pack, and those of reading its flights."""
+    own: list[dict[str, Any]] = _core.describe_health()
+    return [*own, *_core.describe_reading(True)]
+
+
+@takes(describe_health)
 def health(
     cell: OneCell,
     flights: Logs,
@@ -89,7 +95,13 @@ def health(
     LoadError
         Where no flight is long and busy enough to tell anything.
     """
-    logs = as_logs(flights, "health: expected at least one flight")
+    given: dict[str, Any] = dict(options)
+    reading = {
+        one["name"]: given.pop(one["name"])
+        for one in _core.describe_reading(True)
+        if one["name"] in given
+    }
+    logs = as_logs(flights, "health: expected at least one flight", reading)
     one = as_cell(cell)
-    summary, sentence = _core.health(one._core, [log._core for log in logs], dict(options))
+    summary, sentence = _core.health(one._core, [log._core for log in logs], given)
     return Health(sentence, summary, inputs_of(one, logs))

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from lipoid._options import IdentifyOptions
+    from lipoid._reading_options import ReadingOptions
 
 logger = logging.getLogger("lipoid")
 
@@ -232,6 +233,7 @@ def check_options(*, seed: int = 0, threads: int = 0, **options: Any) -> None:
     _core.check_identify(options)
 
 
+@takes(lambda: _core.describe_reading(True))
 def validate(
     cell: OneCell,
     logs: Logs,
@@ -240,6 +242,7 @@ def validate(
     initial_voltage_V: float | None = None,
     ambient_degC: float | None = None,
     predict_temperature: bool = False,
+    **reading: Unpack[ReadingOptions],
 ) -> pd.DataFrame:
     """Compare the voltage that a cell predicts with that of logs, as of one cell.
 
@@ -259,6 +262,7 @@ def validate(
     predict_temperature : bool
         Predict the temperature also of logs that have it, with surroundings as warm as their first
         row where ``ambient_degC`` is not given; ``temperature_rmse_K`` is how far it is off.
+    {options}
 
     Returns
     -------
@@ -270,13 +274,22 @@ def validate(
     """
     one = as_cell(cell)
     one._tell_what_says_nothing(ambient_degC)
+    if predict_temperature and not one._core.knows_temperature:
+        logger.warning("predict_temperature changes nothing: the cell knows no temperature")
     options = {
         "initial_soc": initial_soc,
         "initial_voltage_V": initial_voltage_V,
         "ambient_degC": ambient_degC,
         "predict_temperature": predict_temperature,
     }
-    several = as_logs(logs, "validate: expected at least one log")
+    several = as_logs(logs, "validate: expected at least one log", reading)
+    for log in several:
+        if log._core.rows_kept != len(log):
+            logger.warning(
+                "%s: %s; the errors are of those, and read without most_rows they are of all",
+                log.file,
+                log._rows(),
+            )
     rows, verdict = _core.validate(one._core, [log._core for log in several], options)
     for log, row in zip(several, rows, strict=True):
         if doubt := row.pop("doubt", ""):

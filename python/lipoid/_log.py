@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable, Mapping, Set
 from contextlib import suppress
 from html import escape
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +25,15 @@ if TYPE_CHECKING:
     from lipoid._reading_options import ColumnOptions, ReadingOptions
 
 FloatArray = npt.NDArray[np.float64]
-OneLog: TypeAlias = "Log | str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame"
+
+
+class ArrowTable(Protocol):
+    """A table of columns as polars, pyarrow and others hand it on."""
+
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any: ...
+
+
+OneLog: TypeAlias = "Log | str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame | ArrowTable"
 Logs: TypeAlias = "OneLog | Iterable[OneLog]"
 
 
@@ -386,20 +394,27 @@ def listed(logs: Any) -> list[Any]:
     return [logs] if is_one or is_table else list(logs)
 
 
-def as_logs(logs: Any, wanted: str) -> list[Log]:
+def as_logs(logs: Any, wanted: str, reading: Mapping[str, Any] = {}) -> list[Log]:
     """Return one log or several, reading those that are paths; none is not what was `wanted`."""
     several = [] if logs is None else listed(logs)
     if not several:
         raise OptionError(f"{wanted}, found none")
-    return [_log_of(one) for one in several]
+    return [_log_of(one, reading) for one in several]
 
 
-def _log_of(one: Any) -> Log:
+def _log_of(one: Any, reading: Mapping[str, Any]) -> Log:
+    if isinstance(one, (str, os.PathLike)):
+        return read_log(one, **cast("ReadingOptions", reading))
+    if reading:
+        raise OptionError(
+            f"option {next(iter(reading))}: it is for files that are read here, found a "
+            f"{type(one).__name__}; say it where that is made"
+        )
     if isinstance(one, Log):
         return one
     if callable(getattr(one, "log", None)):  # of lipoid.fly
         raise OptionError(f"expected logs, found a {type(one).__name__}; its log() is one")
-    return read_log(one) if isinstance(one, (str, os.PathLike)) else Log(one)
+    return Log(one)
 
 
 def mission_of(mission: Log | str | os.PathLike[str] | None) -> Any:

@@ -523,6 +523,18 @@ class HealthOptions(TypedDict, total=False):
     capacity_Ah: float | None
     ambient_degC: float | None
     current_scale_uncertainty: float
+    columns: Mapping[str, str | int] | None
+    units: str | Sequence[str] | None
+    current_sign: str
+    hold: Literal["backward", "forward"]
+    battery: int | None
+    most_rows: int | None
+    start_s: float
+    end_s: float
+    lead_resistance_Ohm: float
+    steps: int | Sequence[int] | None
+    cycles: int | Sequence[int] | None
+    voltage_optional: bool
 
 
 class ExportOptions(TypedDict, total=False):

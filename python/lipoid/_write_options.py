@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from lipoid import _core
+from lipoid._health import describe_health
 from lipoid._keywords import Description
 
 READING = {
@@ -26,7 +27,7 @@ FUNCTIONS = {
     "SynthesizeOptions": _core.describe_synthesize,
     "FlyOptions": _core.describe_fly,
     "EnduranceOptions": _core.describe_endurance,
-    "HealthOptions": _core.describe_health,
+    "HealthOptions": describe_health,
     "ExportOptions": _core.describe_export,
 }
 

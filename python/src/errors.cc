@@ -20,13 +20,13 @@ nb::object Text(const std::string& text) {
 
 // " time_s=1 voltage_V=3" as the items of a dictionary: "time_s": 1, "voltage_V": 3.
 std::string InDictionary(const std::string& pairs) {
-  static const std::regex pair(" ([A-Za-z_]+)=([^ ]+)");
-  static const std::regex several("([A-Z]+,[A-Z]+)");
+  static const std::regex pair(" ([A-Za-z_0-9]+)=([^ ]+)");
+  static const std::regex several("([A-Z]+),([A-Z]+)|([0-9][^,]*),(.+)");
   std::string items;
   for (std::sregex_iterator one(pairs.begin(), pairs.end(), pair); one != std::sregex_iterator();
        ++one) {
     items += (items.empty() ? "\"" : ", \"") + (*one)[1].str() +
-             "\": " + std::regex_replace((*one)[2].str(), several, "($1)");
+             "\": " + std::regex_replace((*one)[2].str(), several, "($1$3, $2$4)");
   }
   return items;
 }
@@ -36,9 +36,9 @@ std::string InDictionary(const std::string& pairs) {
 std::string InPython(const std::string& message) {
   static const std::regex option(
       "--([A-Za-z][A-Za-z-]*)(?:"
-      "((?: [A-Za-z_]+=(?:[0-9]+|\"[^\"]*\"|[A-Z]+(?:,[A-Z]+)?))+)|"  // pairs
-      " ([a-z]+(?:[-,][A-Za-z]+)+)|"                                  // a text
-      "( )(?=[0-9]|[A-Z][A-Z]))?");                                   // a number, a placeholder
+      "((?: [A-Za-z_][A-Za-z_0-9]*=(?:[0-9][0-9.e+-]*(?:,[0-9a-z][0-9a-z.+-]*)?|\"[^\"]*\"|[A-Z]+(?:,[A-Z]+)?))+)|"  // pairs
+      " ([a-z]+(?:[-,][A-Za-z]+)+)|"  // a text
+      "( )(?=[0-9]|[A-Z][A-Z]))?");   // a number, a placeholder
   std::string text;
   std::sregex_iterator found(message.begin(), message.end(), option);
   std::size_t copied = 0;

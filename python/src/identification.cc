@@ -25,6 +25,7 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
+#include "model/core/stop.h"
 #include "python/src/campaign.h"
 #include "python/src/cell.h"
 #include "python/src/convert.h"
@@ -139,14 +140,16 @@ nb::tuple ValidateLogs(const PythonCell& pack, const nb::list& logs, const nb::d
   Json rows = Json::array();
   Json verdict;
   {
-    const WithoutLock unlocked;
     std::vector<LogErrors> all;
-    for (const Record& record : records) {
-      std::string doubt;
-      all.push_back(ErrorsOf(pack.cell, record, start, surroundings, doubt));
-      rows.push_back(LogErrorsToJson(all.back()));
-      if (!doubt.empty()) rows.back()["doubt"] = std::move(doubt);
-    }
+    Work([&](const Tell&) {
+      for (const Record& record : records) {
+        StopIfAsked();
+        std::string doubt;
+        all.push_back(ErrorsOf(pack.cell, record, start, surroundings, doubt));
+        rows.push_back(LogErrorsToJson(all.back()));
+        if (!doubt.empty()) rows.back()["doubt"] = std::move(doubt);
+      }
+    });
     const FitQuality quality = JudgeFit(OneOf(pack.cell), all, {}, 0.0, 0.0, AlphaOf::kElsewhere);
     verdict = {{"fit", FitToJson(quality)}, {"edges", EdgesToJson(quality.edges)}};
   }

@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -318,7 +319,14 @@ nb::object LikelyColumn(const std::vector<std::string>& names, const std::string
     if (best == matches.end()) break;
     const auto unit = FindUnit(quantity, best->unit);
     const bool own = best->unit.empty() || (unit && unit->IsSi());
-    return nb::make_tuple(names[best->field], own ? std::string() : best->unit);
+    const std::string& name = names[best->field];
+    // As it stands there, which is not in small letters.
+    const auto at = std::search(
+        name.begin(), name.end(), best->unit.begin(), best->unit.end(), [](char a, char b) {
+          return std::tolower(static_cast<unsigned char>(a)) == b;
+        });
+    const auto length = static_cast<std::ptrdiff_t>(at == name.end() ? 0 : best->unit.size());
+    return nb::make_tuple(name, own ? std::string() : std::string(at, at + length));
   }
   return nb::none();
 }

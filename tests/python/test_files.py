@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import os
+import pickle
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -38,6 +40,17 @@ def _reports(write: Callable[[Path, Any], object]) -> Any:
         lambda f, r: lipoid.export(f / "c.json", "tables", f / "c.json"),
         lambda f, r: lipoid.export(f / "c.json", "tables", f / "link.json"),
         lambda f, r: lipoid.export(lipoid.Cell.read(f / "c.json").pack(2), "tables", f / "c.json"),
+        lambda f, r: lipoid.export(
+            copy.copy(lipoid.Cell.read(f / "c.json")), "tables", f / "c.json"
+        ),
+        lambda f, r: lipoid.export(
+            pickle.loads(pickle.dumps(lipoid.Cell.read(f / "c.json"))), "tables", f / "c.json"
+        ),
+        lambda f, r: lipoid.export(
+            lipoid.Cell.read(f / "c.json").resample(1)[0], "tables", f / "c.json"
+        ),
+        lambda f, r: r.cell.resample(1)[0].save(f / "lab" / "pulses.csv"),
+        lambda f, r: r.cell.resample(1)[0].pack(2).save(f / "lab" / "campaign.toml"),
         lambda f, r: lipoid.export(f / "c.json", "c", f / "m.csv", mission=f / "m.csv"),
         lambda f, r: lipoid.export(
             f / "c.json", "c", f / "m.csv", mission=lipoid.read_log(f / "m.csv")

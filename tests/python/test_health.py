@@ -31,6 +31,14 @@ def test_a_health_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> Non
     assert made.sentence in repr(made)
 
 
+def test_a_health_reads_its_flights_as_the_program_does() -> None:
+    two = ROOT / "fixtures/flights/sample_log_small.ulg"
+    with pytest.raises(lipoid.LoadError, match=r"battery=1"):
+        lipoid.health("gifi-600mAh-1", two, series=6)
+    with pytest.raises(lipoid.LoadError, match=r"at least 20 s"):
+        lipoid.health("gifi-600mAh-1", two, series=6, battery=1)
+
+
 def test_a_health_needs_a_flight() -> None:
     with pytest.raises(
         lipoid.OptionError, match="health: expected at least one flight, found none"

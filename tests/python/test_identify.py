@@ -10,6 +10,7 @@ import logging
 import multiprocessing
 import os
 import pickle
+import re
 import shutil
 import signal
 import subprocess
@@ -329,6 +330,7 @@ def test_other_threads_run_meanwhile(campaign: lipoid.Campaign) -> None:
         # Before, both went on to the end of what they did: seconds later.
         ("lipoid.plan(cell, sampling_s=0.001)", 0.5),
         ("warm.simulate(t, 0.0 * t)", 1.0),
+        ("lipoid.validate(cell, [pulses] * 2000)", 0.5),
     ],
 )
 def test_ctrl_c_ends_long_work_within_a_fifth_of_a_second(
@@ -341,6 +343,7 @@ def test_ctrl_c_ends_long_work_within_a_fifth_of_a_second(
         campaign, cell = lipoid.Campaign.read(sys.argv[1]), lipoid.Cell.read(sys.argv[2])
         lipoid.identify(campaign)
         t, warm = numpy.arange(2e7), cell.with_typical_temperature()
+        pulses = campaign.logs("pulses")[0]
         at = []
         def press():
             at.append((time.monotonic(), time.process_time()))
@@ -591,6 +594,20 @@ def test_validate_takes_the_ambient_of_logs_without_a_temperature(
     # A table in memory and several of them are logs, too.
     several: list[Any] = [frame, log]
     assert len(lipoid.validate(seasons / "cell.json", iter(several))) == 2
+
+
+def test_validate_says_of_which_rows_its_errors_are(
+    lab: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    file = lab / "low_rate.csv"
+    lipoid.validate("gifi-600mAh-1", file)
+    assert "stand for" not in caplog.text
+    lipoid.validate("gifi-600mAh-1", file, most_rows=1024)
+    assert re.search(r"[0-9]+ rows that stand for [0-9]+; the errors are of those", caplog.text)
+    lipoid.validate("gifi-600mAh-1", file, predict_temperature=True)
+    assert "predict_temperature changes nothing: the cell knows no temperature" in caplog.text
+    with pytest.raises(lipoid.OptionError, match="most_rows: it is for files that are read here"):
+        lipoid.validate("gifi-600mAh-1", lipoid.read_log(file), most_rows=1024)
 
 
 def test_validate_refuses_what_the_program_refuses(lab: Path) -> None:

@@ -316,7 +316,7 @@ def test_rows_that_are_wrong_are_named(given: dict[str, Any], message: str) -> N
             ("Test_Time(s)", "current_A", "voltage_V"),
             r"time_s=table\['Test_Time\(s\)'\] may be it$",
         ),
-        (("time_s", "I [mA]", "U"), r"current_A=table\['I \[mA\]'\] may be it, which is in ma$"),
+        (("time_s", "I [mA]", "U"), r"current_A=table\['I \[mA\]'\] may be it, which is in mA$"),
     ],
 )
 def test_the_likely_column_of_a_table_is_named(names: tuple[str, ...], message: str) -> None:

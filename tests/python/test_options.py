@@ -13,6 +13,7 @@ import pytest
 
 from conftest import PLAIN, ROOT
 from lipoid import _core
+from lipoid._health import describe_health
 
 Description = dict[str, Any]
 
@@ -83,10 +84,11 @@ FUNCTIONS: dict[str, tuple[Callable[[], list[Description]], str, set[str], set[s
         {"mission", "power", "waypoints", "cruise_speed"},
     ),
     "health": (
-        _core.describe_health,
+        describe_health,
         "health",
-        READING,
         set(),
+        # Keys of a log in a campaign file.
+        {"start_s", "end_s", "lead_resistance_Ohm", "steps", "cycles", "voltage_optional"},
     ),
     "synthesize": (
         _core.describe_synthesize,
@@ -123,6 +125,20 @@ def help_of(command: str) -> dict[str, str]:
         else:
             name = ""
     return {key: value.strip() for key, value in found.items()}
+
+
+@pytest.mark.parametrize(
+    ("of_command", "of_python"),
+    [
+        ("--bounds beta=0.3,0.1: expected", 'bounds={"beta": (0.3, 0.1)}: expected'),
+        ("--bounds r_s=50,inf: expected", 'bounds={"r_s": (50, inf)}: expected'),
+        ("--fix r_1=1e-3 and --start tau_1=5", 'fix={"r_1": 1e-3} and start={"tau_1": 5}'),
+        ("--columns time_s=1 current_A=2", 'columns={"time_s": 1, "current_A": 2}'),
+        ("say --units s,mA,V, or --series 4", 'say units="s,mA,V", or series=4'),
+    ],
+)
+def test_messages_name_options_as_one_types_them_here(of_command: str, of_python: str) -> None:
+    assert _core.in_python(of_command) == of_python
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)

@@ -194,8 +194,8 @@ def command(words: list[str]) -> int:
         print(f"lipoid-fleet report: warning: {caveat}", file=sys.stderr)
     cells = outliers["campaign"].nunique() if len(outliers) else 0
     print(
-        f"{done} cells, {len(failed)} failed; {cells} stand out by more than {sigmas:g} robust "
-        "standard deviations",
+        f"{done} cells, {len(failed)} failed; {cells} stand out by more than chance lets "
+        f"{sigmas:g} standard deviations",
         file=sys.stderr,
     )
     return DONE
@@ -211,6 +211,15 @@ def _age_ranges(one: Quantity) -> list[tuple[str, float, float, float]]:
         age = np.median(known["age"].to_numpy()[part])
         rows.append((f"age {age:.4g}", float(low), float(middle), float(high)))
     return rows
+
+
+def _limits(fleet: Fleet, sigmas: float) -> str:
+    """Say how many robust ones that is: these are known from few cells."""
+    limits = [one.limit(sigmas) for one in fleet.quantities if one.identified > 1]
+    if not limits:
+        return ""
+    low, high = f"{min(limits):.2g}", f"{max(limits):.2g}"
+    return f", which is {low if low == high else f'{low} to {high}'} robust ones for so few cells"
 
 
 def _parts(
@@ -238,8 +247,9 @@ def _parts(
         '<div class="charts">'
         + "".join(page.histogram(one, sigmas) for one in fleet.quantities if one.identified > 1)
         + "</div>",
-        f"<h2>Cells that stand out</h2><p>Further than {sigmas:g} robust standard deviations from "
-        "the median, or standard errors of the cell where these are larger.</p>",
+        "<h2>Cells that stand out</h2><p>Further from the median than chance puts a cell beyond "
+        f"{sigmas:g} true standard deviations{_limits(fleet, sigmas)}; in standard errors of the "
+        "cell where these are larger.</p>",
     ]
     if len(outliers):
         parts.append(page.table(outliers.head(page.MOST_OUTLIERS), OUTLIER_TITLES))
