@@ -105,6 +105,16 @@ std::string CheckReadable(const Record& record, const ColumnPositions& positions
         fmt::format(
             "expected a voltage in V, found {:.6g} V; are these mV? {}", most_V, positions.remedy));
   }
+  if (!record.voltage_V.empty() && voltage.Magnitude() > kLeastCell_V &&
+      Sum(record.voltage_V) < 0.0) {
+    throw LoadError(
+        positions.voltage,
+        fmt::format(
+            "expected a voltage above 0 V, found {:.4g} to {:.4g} V: are its leads exchanged? Turn the sign "
+            "of the column round",
+            voltage.least,
+            voltage.most));
+  }
   // None at all is a log of the current alone.
   if (const double most_V = voltage.Magnitude(); most_V > 0.0 && most_V < kLeastCell_V) {
     throw LoadError(
@@ -136,9 +146,9 @@ std::string CheckReadable(const Record& record, const ColumnPositions& positions
   }
   if (!(current.Magnitude() > kUsualPack_A)) return "";
   return fmt::format(
-      "the current goes up to {:.4g} A, more than nearly any cell or pack carries; if it is in mA, "
-      "say `units` (--units s,mA,V)",
-      current.Magnitude());
+      "the current goes up to {:.4g} A, more than nearly any cell or pack carries; is it in mA? {}",
+      current.Magnitude(),
+      positions.remedy);
 }
 
 ChargeMoved CheckPlausible(const Record& record, double capacity_Ah, int series, int parallel) {

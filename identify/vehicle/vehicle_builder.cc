@@ -188,7 +188,16 @@ class Draft {
           "two numbers on the propeller, or its coefficients");
     }
     constexpr Range kUsual{0.2, 1.5};
+    constexpr Range kPossible{0.05, 3.0};
     const double ratio = pitch_in / n_.propeller_in;
+    if (!kPossible.Contains(ratio)) {
+      throw OptionError(fmt::format(
+          "option --pitch-in: expected a pitch of {:g} to {:g} diameters of the propeller, found {:.3g}: --pitch-in "
+          "and --propeller-in are in inch of 25.4 mm",
+          kPossible.lo,
+          kPossible.hi,
+          ratio));
+    }
     constexpr double kWell = 0.6;  // the least pitch over diameter that is far into the stall
     if (n_.blades > 2 || ratio > kWell) {
       draft_.cautions.push_back(fmt::format(

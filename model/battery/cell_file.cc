@@ -38,7 +38,7 @@ OpenCircuitVoltage ReadCurve(const JsonReader& json) {
     json.OnlyKeys({"method", "assumed", "soc", "voltage_V"});
     const std::size_t least = method == "linear" ? 2 : 4;
     auto soc = Increasing(json.At("soc"));
-    auto voltage = json.At("voltage_V").Numbers(-kMostOfACell, kMostOfACell);
+    auto voltage = json.At("voltage_V").Numbers(-kMostOpenCircuit_V, kMostOpenCircuit_V);
     if (soc.size() < least) json.At("soc").Fail(fmt::format("at least {} states of charge", least));
     if (voltage.size() != soc.size())
       json.At("voltage_V").Fail(fmt::format("{} voltages", soc.size()));

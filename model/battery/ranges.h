@@ -23,6 +23,8 @@ inline constexpr Range kActivationEnergies_J_per_mol{0.0, 2e5};
 /// The size of any number of a cell file in its unit, far beyond any cell: what is computed from
 /// several of them stays finite.
 inline constexpr double kMostOfACell = 1e12;
+/// Of an open-circuit voltage, of a module that is taken for a cell.
+inline constexpr double kMostOpenCircuit_V = 1e3;
 /// Of a capacitance, a time constant over a resistance that may be next to nothing.
 inline constexpr double kMostCapacitance_F = 1e30;
 

@@ -224,6 +224,10 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
         "options --set pulses.branches and pulses.starts are of the staged run alone, from which the joint fit "
         "starts: --branches says how many the cell has");
   }
+  if (joint && (line.Sets("solver.") || line.Sets("discharge_times."))) {
+    line.Message(
+        "options --set solver.* and discharge_times.* are of the staged run alone, from which the joint fit starts");
+  }
   const bool by_options = campaign_options.ByOptions();
   const bool batch = campaign_files.size() > 1;
   std::vector<LoadError> failed;  // of a batch: the others are identified all the same
@@ -233,6 +237,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     ShowAgain(line, *line.earlier(), campaigns, options);
     return cli::ExitCode::kDone;
   }
+  if (batch && cli::OutputPath(output) == cli::OutputPath("-"))
+    throw OptionError("option -o: several cells are files in a folder; name one in place of -");
   std::error_code none;
   const bool folder = batch || std::filesystem::is_directory(output, none);
   if (residuals.size() + truth_file.size() > 0 && batch) {

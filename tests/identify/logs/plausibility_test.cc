@@ -137,8 +137,34 @@ TEST(Plausibility, ACurrentThatFewPacksCarryIsDoubted) {
   record.current_A.back() = -1300.0;
   EXPECT_EQ(
       CheckReadable(record, {}),
-      "the current goes up to 1300 A, more than nearly any cell or pack carries; if it is in mA, "
-      "say `units` (--units s,mA,V)");
+      "the current goes up to 1300 A, more than nearly any cell or pack carries; is it in mA? "
+      "Say so in the header or with `units`");
+  EXPECT_EQ(
+      CheckReadable(record, {.time = {}, .current = {}, .voltage = {}, .remedy = "Divide it"}),
+      "the current goes up to 1300 A, more than nearly any cell or pack carries; is it in mA? "
+      "Divide it");
+}
+
+// A charge of a cell with reversed leads would be a discharge whose voltage rises.
+TEST(Plausibility, AVoltageBelowZeroHasExchangedLeads) {
+  Record record;
+  for (int k = 0; k < 30; ++k) {
+    record.time_s.push_back(k);
+    record.current_A.push_back(1.0);
+    record.voltage_V.push_back(-4.0 + 0.01 * k);
+  }
+  try {
+    (void)CheckReadable(record, {});
+    ADD_FAILURE() << "it was believed";
+  } catch (const LoadError& error) {
+    EXPECT_STREQ(
+        error.diagnostics().front().message.c_str(),
+        "expected a voltage above 0 V, found -4 to -3.71 V: are its leads exchanged? Turn the sign of the "
+        "column round");
+  }
+  for (double& volt : record.voltage_V) volt = -volt;
+  record.voltage_V.back() = -0.5;  // one cell of a pack that is driven below empty
+  EXPECT_EQ(CheckReadable(record, {}), "");
 }
 
 TEST(Plausibility, NoCellIsEmptyAtAVoltageOfHalfItsCharge) {
