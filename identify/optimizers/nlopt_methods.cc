@@ -106,33 +106,41 @@ double Unit(Monitor& monitor, bool uses_gradient) {
 }
 
 // Whether a step down the gradient, within the bounds, lowers the cost by more than what is left where a search of
-// finite tolerances ends.
-bool StillFalls(const OptimizationProblem& problem, const Monitor& monitor) {
-  constexpr double kClearly = 1e-3;   // of the cost
-  constexpr double kWorthIt = 1e-10;  // of that at the start: nobody gains from less
+// finite tolerances ends. Where the slope alone says that it does not, nothing is evaluated.
+bool StillFalls(Monitor& monitor, double first_cost) {
+  constexpr double kSuspicious = 0.1;  // of the cost, by the slope over the size of x
+  constexpr double kClearly = 1e-3;    // of the cost
+  constexpr double kWorthIt = 1e-9;    // of that at the start: nobody gains from less
   const Eigen::VectorXd x = monitor.best();
   const double cost = monitor.best_cost();
-  Monitor beside(problem, monitor.start());  // that counts apart
-  Eigen::VectorXd gradient;
-  if (!std::isfinite(beside.Gradient(x, gradient)) || !gradient.allFinite()) return false;
-  const auto down = [&](double length) -> Eigen::VectorXd {
-    return (x - length * gradient).cwiseMax(monitor.lower()).cwiseMin(monitor.upper());
-  };
   const double size = x.norm() > 0.0 ? x.norm() : 1.0;
-  const double less = std::max(kClearly * cost, kWorthIt * beside.Cost(monitor.start()));
+  const double worth = kWorthIt * first_cost;
+  Eigen::VectorXd down;
+  if (!std::isfinite(monitor.Gradient(x, down)) || !down.allFinite()) return false;
+  down *= -1.0;
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    const bool out = (x[k] <= monitor.lower()[k] && down[k] < 0.0) ||
+                     (x[k] >= monitor.upper()[k] && down[k] > 0.0);
+    if (out) down[k] = 0.0;
+  }
+  const double slope = down.norm();
+  if (!(slope * size > std::max(kSuspicious * cost, worth))) return false;
+  const double less = std::max(kClearly * cost, worth);
   for (double step = 0.1 * size; step > 1e-5 * size; step *= 0.25) {
-    if (beside.Cost(down(step / gradient.norm())) < cost - less) return true;
+    const Eigen::VectorXd to =
+        (x + step / slope * down).cwiseMax(monitor.lower()).cwiseMin(monitor.upper());
+    if (monitor.Cost(to) < cost - less) return true;
   }
   return false;
 }
 
-OptimizationSummary Ended(const OptimizationProblem& problem,
-                          Monitor& monitor,
+OptimizationSummary Ended(Monitor& monitor,
+                          double first_cost,
                           nlopt_result result,
                           const char* why,
                           bool limit,
                           bool uses_gradient) {
-  if (uses_gradient && result > 0 && StillFalls(problem, monitor)) {
+  if (uses_gradient && result > 0 && !limit && StillFalls(monitor, first_cost)) {
     return monitor.Finish(
         Termination::kStalled,
         "It stopped short: the cost still falls from here by a thousandth or more, down its gradient.");
@@ -171,6 +179,7 @@ OptimizationSummary Minimize(const Method& method,
   const int most = stop.iterations_per_variable * monitor.size();
   if (auto done = monitor.Begin(method.uses_gradient, most)) return *std::move(done);
 
+  const double first_cost = monitor.best_cost();
   const NloptHandle library(nlopt_create(method.algorithm, static_cast<unsigned>(monitor.size())));
   if (library == nullptr) throw std::bad_alloc();
   Evaluation call{.monitor = monitor,
@@ -190,8 +199,8 @@ OptimizationSummary Minimize(const Method& method,
   std::vector<double> x(monitor.start().begin(), monitor.start().end());
   double cost = 0.0;
   const nlopt_result result = nlopt_optimize(library.get(), x.data(), &cost);
-  return Ended(problem,
-               monitor,
+  return Ended(monitor,
+               first_cost,
                result,
                nlopt_get_errmsg(library.get()),
                monitor.iterations() >= most,

@@ -101,8 +101,8 @@ TEST(FitQuality, SeesThatTheCutOffIsNotWhereTheCellIsEmpty) {
       down_to(0.375).reasons,
       (std::vector<std::string>{
           "v_oc(A) is down to the cut-off of 3 V at a state of charge of 0.38, so that alpha, "
-          "0.376 Ah, is not the charge that these logs show: look at initial_soc and at what "
-          "was given for alpha"}));
+          "0.376 Ah, is not the charge that these logs show: look at initial_soc and at where "
+          "alpha is from"}));
   // An alpha that was only assumed, as that of a flight, need not be.
   EXPECT_EQ(JudgeFit(cell, well, {}, 800, 0.4, AlphaOf::kElsewhere).grade, FitGrade::kGood);
   // Where no log went so deep nothing is known of it.

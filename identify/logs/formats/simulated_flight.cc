@@ -10,7 +10,8 @@ constinit const Layout kSimulatedFlight{
     .signature = {{"time_s", "x_m", "battery_v", "battery_a"}},
     .columns = {{{.names = "time"},
                  {.names = "battery"},  // the unit tells it from the voltage
-                 {.names = "battery"}}},
+                 {.names = "battery"},
+                 {.names = "temperature"}}},
     .discharge_is_positive = true,
     .hold = Hold::kForward,
 };

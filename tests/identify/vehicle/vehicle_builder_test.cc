@@ -242,8 +242,15 @@ TEST(VehicleBuilder, WhatCanHardlyBeMeantIsDoubted) {
   const std::string light = cautions([](auto& n) { n.mass_g = 65.0; });
   EXPECT_TRUE(says(light, "times the weight, and no multirotor has more than 20 times: check"))
       << light;
-  const std::string pitch = cautions([](auto& n) { n.pitch_in = 4.3 * 25.4; });
-  EXPECT_TRUE(says(pitch, "a pitch of 109.22 inch is 21.8 diameters of the propeller")) << pitch;
+  const std::string pitch = cautions([](auto& n) { n.pitch_in = 10.0; });
+  EXPECT_TRUE(says(pitch, "is 2 diameters of the propeller, where 0.2 to 1.5 are usual")) << pitch;
+  try {
+    (void)cautions([](auto& n) { n.pitch_in = 4.3 * 25.4; });
+    ADD_FAILURE() << "a pitch in mm was believed";
+  } catch (const OptionError& error) {
+    EXPECT_TRUE(says(error.what(), "expected a pitch of 0.05 to 3 diameters of the propeller"))
+        << error.what();
+  }
   const std::string kv = cautions([](auto& n) { n.kv_rpm_per_V = 24000.0; });
   EXPECT_TRUE(says(kv, "% of their power into that of the propellers")) << kv;
   const std::string avionics = cautions([](auto& n) { n.avionics_W = 5000.0; });
