@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <numeric>
 
 #include "identify/fit/cell_of_solution.h"
 #include "identify/joint/joint_request.h"
@@ -15,6 +16,7 @@
 #include "identify/joint/steady_current.h"
 #include "identify/joint/structure_spread.h"
 #include "identify/logs/discharge.h"
+#include "identify/logs/segments.h"
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
@@ -909,6 +911,7 @@ class JointRun {
   void NameSensorThatAlphaRestsOn() {
     constexpr double kOffset = 1e-3;  // of the largest current: what current sensors are sold with
     constexpr double kWorthSaying = 0.01;
+    constexpr double kShows = 0.003;
     if (given_.alpha_C || given_.reference || HasOffset()) return;
     if (std::any_of(logs_.begin(), logs_.end(), [](const LoadedLog& log) {
           return log.entry.kind == LogKind::kLowRateCharge;
@@ -923,12 +926,42 @@ class JointRun {
     const double loaded_s = UnderLoad(logs_[deepest].log.record).first;
     const double per_A = loaded_s / deepest_C_[deepest];
     if (kOffset * result_.logs.largest_A * per_A < kWorthSaying) return;
+    std::string at_rest;
+    if (const double rest_A = CurrentAtRest(); std::abs(rest_A) * per_A > kShows) {
+      at_rest = fmt::format(
+          ". At rest it shows {:.2g} mA: if none flows there, alpha is {:.2g} % off, and time constants and "
+          "resistances are with it; take that out of the column of the current",
+          1e3 * rest_A,
+          100.0 * std::abs(rest_A) * per_A);
+    }
     result_.cautions.push_back(fmt::format(
         "alpha takes the zero of the current sensor as exact: each mA of an offset would change it by {:.2g} % "
-        "over the {:.3g} h of {}; a slow charge (low-rate-charge) would show it",
+        "over the {:.3g} h of {}; a slow charge (low-rate-charge) would show it{}",
         0.1 * per_A,
         loaded_s / 3600.0,
-        logs_[deepest].entry.file));
+        logs_[deepest].entry.file,
+        at_rest));
+  }
+
+  // What the sensor shows in rests of a minute or more, where they agree on it; else 0.
+  [[nodiscard]] double CurrentAtRest() const {
+    constexpr double kShortest_s = 60.0;
+    constexpr std::size_t kFewest = 3;
+    constexpr double kAgree = 0.2;  // standard deviation of the rests over their mean
+    std::vector<double> rests_A;
+    for (const LoadedLog& log : logs_) {
+      if (log.entry.kind == LogKind::kValidation) continue;
+      for (const Segment& segment : FindSegments(log.log.record)) {
+        if (segment.kind == SegmentKind::kRest && segment.duration_s() >= kShortest_s)
+          rests_A.push_back(segment.current_A);
+      }
+    }
+    if (rests_A.size() < kFewest) return 0.0;
+    const auto n = static_cast<double>(rests_A.size());
+    const double mean_A = std::accumulate(rests_A.begin(), rests_A.end(), 0.0) / n;
+    double squares = 0.0;
+    for (const double rest_A : rests_A) squares += (rest_A - mean_A) * (rest_A - mean_A);
+    return std::sqrt(squares / (n - 1.0)) < kAgree * std::abs(mean_A) ? mean_A : 0.0;
   }
 
   // A curve that is held tells where logs end, and alpha is what they took out until there: from a start

@@ -656,6 +656,11 @@ TEST(JointRun, SaysWhatTheZeroOfTheCurrentSensorWouldDoToAlpha) {
   auto logs = test::SyntheticLogs(TruthOf(), 20.0, kSmallNoise_V);
   EXPECT_TRUE(
       OneSays(Identify(logs).cautions, "alpha takes the zero of the current sensor as exact"));
+  EXPECT_FALSE(OneSays(Identify(logs).cautions, "At rest it shows"));
+  for (auto& log : logs) {
+    for (double& current_A : log.log.record.current_A) current_A += 1e-3;
+  }
+  EXPECT_TRUE(OneSays(Identify(logs).cautions, "At rest it shows 1 mA: if none flows there"));
   std::erase_if(logs, [](const auto& log) { return log.entry.kind == LogKind::kLowRate; });
   EXPECT_FALSE(OneSays(Identify(logs).cautions, "the zero of the current sensor"));
 }
