@@ -36,6 +36,8 @@ constexpr double kIronPhosphateRest_V = 3.45;
 // A draft takes no cut-off below the first, and writes the second in its place.
 constexpr double kLowestCutoff_V = 1.5;
 constexpr double kTypicalCutoff_V = 3.0;
+// A discharge from full to empty that is faster is a piece of one.
+constexpr double kFastestRate_per_h = 100.0;
 // From full to empty every cell falls by more, iron phosphate down to 3 V included.
 constexpr double kLeastFall_V = 0.2;
 
@@ -296,6 +298,15 @@ class Drafting {
     if (!options_.series && test.series != draft_.campaign.series) {
       entry.left_out = fmt::format("its voltage is that of {} in series", test.series);
     }
+    if (inspection.discharge) {
+      const Discharge& discharge = *inspection.discharge;
+      const double own_rate_per_h = 3600.0 * discharge.current_A / discharge.charge_C;
+      if (entry.left_out.empty() && own_rate_per_h > kFastestRate_per_h) {
+        entry.left_out =
+            fmt::format("lasts {:.2g} s, in which no cell is emptied: it is a piece of a log",
+                        3600.0 / own_rate_per_h);
+      }
+    }
     const bool takes_part = entry.left_out.empty();
     draft_.entries.push_back(std::move(entry));
     if (!takes_part) return;
@@ -320,7 +331,7 @@ class Drafting {
     if (slowest != nullptr) {
       draft_.campaign.capacity_Ah =
           RoundToDigits(slowest->inspection->discharge->charge_C / 3600.0, 3);
-    } else if (!all_.empty()) {
+    } else if (!draft_.entries.empty()) {
       draft_.remarks.emplace_back(
           "No log discharges the cell from full to empty: look its capacity and its cut-off up and "
           "give them as capacity_Ah and cutoff_V.");

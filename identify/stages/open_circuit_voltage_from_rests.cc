@@ -210,7 +210,7 @@ std::string InWords(const OcvFromRests& result) {
         "; from there down to A = {:.3f} it is a guess from the voltage under load, good to {:.0f} "
         "mV at its end",
         std::round(1e3 * *result.guessed_to_soc) / 1e3 + 0.0,  // no minus before a zero
-        1e3 * result.half_gap_V);
+        1e3 * std::max(result.half_gap_V, result.largest_drift_V));
   }
   return text;
 }

@@ -23,6 +23,22 @@ void WriteDischarge(const std::string& file) {
   }
 }
 
+// Two seconds of a discharge were drafted as a cell of 56 uAh.
+TEST(Inspect, DraftsNoCellOfAPieceOfALog) {
+  const auto folder = TestFolder();
+  std::ofstream(folder + "/piece.csv")
+      << "time_s,voltage_V,current_A\n0,3.7,0.1\n1,3.6,0.1\n2,3.5,0.1\n";
+  const auto run = RunLipoid(folder, {"inspect", "piece.csv", "--write-campaign", "c.toml"});
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_NE(
+      run.err.find(
+          "option --write-campaign: every log is left out, and none is written: piece.csv lasts 2 s, "
+          "in which no cell is emptied: it is a piece of a log"),
+      std::string::npos)
+      << run.err;
+  EXPECT_FALSE(std::ifstream(folder + "/c.toml").good());
+}
+
 TEST(Inspect, SummaryHasTheKeysOfTheDesign) {
   const auto folder = TestFolder();
   WriteDischarge(folder + "/cc.csv");

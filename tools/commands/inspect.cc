@@ -315,17 +315,23 @@ std::string NoDraft(const std::vector<InspectedFile>& files) {
 void WriteDraft(cli::CommandLine& line,
                 const CampaignDraft& draft,
                 const std::string& campaign_file) {
+  if (draft.campaign.logs.empty()) {
+    std::vector<std::string> why;
+    for (const CampaignDraft::Entry& entry : draft.entries)
+      why.push_back(fmt::format("{} {}", entry.log.file, entry.left_out));
+    throw OptionError(
+        fmt::format("option --write-campaign: every log is left out, and none is written: {}",
+                    fmt::join(why, "; ")));
+  }
   const bool a_file = campaign_file != "/dev/stdout";
   const std::string text = DraftToToml(draft);
-  if (!draft.campaign.logs.empty()) {
-    try {
-      (void)ParseCampaign(text, campaign_file);
-    } catch (const LoadError& error) {
-      throw OptionError(
-          fmt::format("option --write-campaign: these logs make no campaign that "
-                      "identify reads, and none is written: {}",
-                      error.diagnostics().front().message));
-    }
+  try {
+    (void)ParseCampaign(text, campaign_file);
+  } catch (const LoadError& error) {
+    throw OptionError(
+        fmt::format("option --write-campaign: these logs make no campaign that "
+                    "identify reads, and none is written: {}",
+                    error.diagnostics().front().message));
   }
   // A person may have edited the campaign of an earlier run.
   std::string kept;
