@@ -51,11 +51,13 @@ class Flight(Reportable):
         return str(self.summary["outcome"])
 
     def log(self) -> Log:
-        """Return current and voltage of the battery as a log."""
+        """Return current, voltage and, where the cell knows it, temperature of the battery."""
+        warm = self.data.get("temperature_degC")
         return Log(
             time_s=self.data["time_s"].to_numpy(),
             current_A=self.data["battery_A"].to_numpy(),
             voltage_V=self.data["battery_V"].to_numpy(),
+            temperature_degC=None if warm is None else warm.to_numpy(),
             name=str(self.summary["maneuver"]),
             current_sign="discharge-positive",
             hold="forward",

@@ -86,6 +86,19 @@ def test_a_flight_is_a_log_of_its_cell() -> None:
     assert abs(predicted[2:-2] - log.voltage_V[2:-2]).max() < 0.02
 
 
+def test_a_flight_on_a_cell_that_warms_has_its_temperature() -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    flight = lipoid.fly("hover", cell=cell, duration=60.0, ambient_degC=10.0)
+    warm = flight.log().temperature_degC
+    assert warm is not None
+    assert warm[0] == pytest.approx(10.0)
+    assert 10.1 < warm[-1] < 25.0
+    assert warm[-1] == pytest.approx(flight.summary["final_temperature_degC"], abs=0.01)
+    predicted = cell.with_typical_temperature().simulate(flight.log()).voltage_V
+    assert predicted == pytest.approx(flight.data["battery_V"].to_numpy(), abs=2e-3)
+    assert lipoid.fly("hover", cell=cell, duration=0.1).log().temperature_degC is None
+
+
 def test_unknown_maneuvers_and_options_name_the_known() -> None:
     with pytest.raises(lipoid.OptionError, match="square"):
         lipoid.fly("squares")
