@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -187,6 +188,12 @@ TEST(Health, DoubtsAnOffsetThatNoSensorHas) {
               "f.csv"});
   const auto flown = RunLipoid(folder, fly);
   ASSERT_EQ(flown.exit_code, 0) << flown.out << flown.err;
+  // The log of a recorder that has no thermometer: without the last column.
+  std::istringstream with(ReadText(folder + "/f.csv"));
+  std::string without;
+  for (std::string row; std::getline(with, row);) without += row.substr(0, row.rfind(',')) + "\n";
+  ASSERT_EQ(without.substr(0, without.find('\n')).find("temperature_degC"), std::string::npos);
+  std::ofstream(folder + "/f.csv") << without;
   std::vector<std::string> ask{"health", "f.csv", "--capacity-Ah", "3.384"};
   ask.insert(ask.end(), pack.begin(), pack.end());
   ask.insert(ask.end(), {"--ambient-degC", "25", "--current-scale-uncertainty", "0.01"});
