@@ -186,13 +186,11 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
                        std::string unit,
                        double same_by_law_K,
                        auto&& estimate_of) {
-    AgedQuantity quantity{name, std::move(what), std::move(unit), {}};
+    AgedQuantity quantity{std::move(name), std::move(what), std::move(unit), {}};
     const Estimate first = estimate_of(cells.front());
     bool known = false;
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      Estimate now = estimate_of(cells[k]);
-      if (name.starts_with("resistance") && !ShareHalfCharge(cells.front(), cells[k]))
-        now.low = now.high = kNaN;
+      const Estimate now = estimate_of(cells[k]);
       // Where one cell does not know at which temperature it was seen, nobody knows that they are alike.
       const double off_K = std::abs(now.temperature_degC - first.temperature_degC);
       const bool both_unknown =
@@ -217,7 +215,11 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
         fmt::format("resistance after {:g} s", after_s),
         "Ohm",
         kSameByLaw_K,
-        [after_s](const Cell& cell) { return ResistanceAfterPulse(cell, after_s); });
+        [&](const Cell& cell) {
+          Estimate estimate = ResistanceAfterPulse(cell, after_s);
+          if (!ShareHalfCharge(cells.front(), cell)) estimate.low = estimate.high = kNaN;
+          return estimate;
+        });
   }
   return quantities;
 }

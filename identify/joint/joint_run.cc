@@ -930,7 +930,7 @@ class JointRun {
     if (const double rest_A = CurrentAtRest(); std::abs(rest_A) * per_A > kShows) {
       at_rest = fmt::format(
           ". At rest it shows {:.2g} mA: if none flows there, alpha is {:.2g} % off, and time constants and "
-          "resistances are with it; take that out of the column of the current",
+          "resistances are off, too; take that out of the column of the current",
           1e3 * rest_A,
           100.0 * std::abs(rest_A) * per_A);
     }
