@@ -12,6 +12,7 @@
 #include "identify/optimizers/optimizers.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/uncertain_cell.h"
+#include "model/core/parallel.h"
 #include "model/core/special_values.h"
 #include "model/statistics/factorizations.h"
 
@@ -137,7 +138,9 @@ class FlightSearch {
         sensors_(sensors),
         problem_(flight, model, reference.spread, sensors),
         axes_(reference) {
-    problem_.SetReferences(axes_.count());
+    constexpr int kModes = 32;  // of a walk, all but two thirds of a per cent of its variance
+    modes_A_ = flight.unresolved.Modes(kModes);
+    problem_.SetReferences(axes_.count() + modes_A_.cols());
     // Half of a chi-square of some hundreds: what a step of this size moves shows in no interval. A log without
     // noise, as that of a simulated flight, takes several hundred steps to get there.
     options_.function_tolerance = 1e-7;
@@ -182,8 +185,10 @@ class FlightSearch {
   void Prepare(const SearchEnd& at) {
     problem_.lag_s = at.lag_s;
     problem_.noise = NoiseProblem::NoiseOf(at.log_noise);
-    problem_.reference_columns = axes_.Columns(model_, Unknowns(at));
+    problem_.reference_columns = Columns(Unknowns(at));
   }
+  // How the voltage at the rows moves with the axes of the reference and the modes of the current.
+  [[nodiscard]] Eigen::MatrixXd Columns(const Eigen::VectorXd& unknowns) const;
   bool Minimize(SearchEnd& at) const;
   // With several beginnings of the diffusion at first.
   bool Round(SearchEnd& at, bool first);
@@ -196,8 +201,21 @@ class FlightSearch {
   const SensorSpread& sensors_;
   FlightProblem problem_;
   ReferenceAxes axes_;
+  Eigen::MatrixXd modes_A_;
   LevenbergMarquardtOptions options_;
 };
+
+Eigen::MatrixXd FlightSearch::Columns(const Eigen::VectorXd& unknowns) const {
+  const auto rows = static_cast<Eigen::Index>(flight_.record.size());
+  Eigen::MatrixXd columns(rows, axes_.count() + modes_A_.cols());
+  if (axes_.count() > 0) columns.leftCols(axes_.count()) = axes_.Columns(model_, unknowns);
+  ParallelFor(static_cast<std::size_t>(modes_A_.cols()), [&](std::size_t mode) {
+    const auto m = static_cast<Eigen::Index>(mode);
+    columns.col(axes_.count() + m) = 0.5 * (model_.VoltageWith(unknowns, modes_A_.col(m)) -
+                                            model_.VoltageWith(unknowns, -modes_A_.col(m)));
+  });
+  return columns;
+}
 
 SearchEnd FlightSearch::Start(const Beginning& beginning) {
   SearchEnd at;
@@ -208,7 +226,8 @@ SearchEnd FlightSearch::Start(const Beginning& beginning) {
   start(U::kStart, StartGuess(reference_, flight_));
   start(U::kCapacity, beginning.log_capacity);
   if (flight_.edge_resistance_Ohm > 0.0) {
-    const auto edge = model_.StepResistance(Unknowns(at), 0.5, 0.3 * flight_.largest_A);
+    const auto edge =
+        model_.StepResistance(Unknowns(at), 0.5, 0.3 * flight_.largest_A, flight_.settle_s());
     const double more = std::log(flight_.edge_resistance_Ohm / edge.resistance_Ohm);
     start(U::kSeries, more);
     start(U::kBranches, more);
@@ -307,6 +326,21 @@ FlightFit FlightSearch::Fit(const SearchEnd& end) {
   fit.covariance = problem_.deviation.head(p).asDiagonal() * covariance.topLeftCorner(p, p) *
                    problem_.deviation.head(p).asDiagonal();
   fit.lag_deviation_s = std::sqrt(covariance(n, n));
+  fit.uncounted_with = Eigen::VectorXd::Zero(p);
+  if (const Column& flowed_A = flight_.unresolved.flowed_A; !flowed_A.empty()) {
+    const Eigen::Index modes = modes_A_.cols();
+    Eigen::VectorXd of_modes_C = Eigen::VectorXd::Zero(modes);
+    fit.uncounted_C = -fit.charge_C;
+    for (std::size_t k = 1; k < record.size(); ++k) {
+      const double dt_s = record.time_s[k] - record.time_s[k - 1];
+      fit.uncounted_C += dt_s * flowed_A[k];
+      of_modes_C += dt_s * modes_A_.row(static_cast<Eigen::Index>(k)).transpose();
+    }
+    const Eigen::VectorXd with = covariance.middleCols(n - modes, modes) * of_modes_C;
+    fit.uncounted_C += of_modes_C.dot(end.scaled.tail(modes));
+    fit.uncounted_variance_C2 = of_modes_C.dot(with.segment(n - modes, modes));
+    fit.uncounted_with = problem_.deviation.head(p).cwiseProduct(with.head(p));
+  }
 
   fit.voltage_V = at_rows.col(n);
   const auto errors = flight_.ErrorsOf(fit.voltage_V, fit.lag_s);

@@ -32,6 +32,11 @@ struct FlightFit {
   /// ln of the capacity of another end of the search, over the reference's, where that end is nearly as likely
   /// and widens the error of the capacity by a quarter or more.
   std::optional<double> nearly_as_likely;
+  /// What flowed between the values of the current more than they show (unresolved_current.h), its variance, and its
+  /// covariance with the unknowns.
+  double uncounted_C = 0.0;
+  double uncounted_variance_C2 = 0.0;
+  Eigen::VectorXd uncounted_with;
   double lag_s = 0.0;
   double lag_deviation_s = 0.0;
   ColouredNoise noise;

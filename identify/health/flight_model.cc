@@ -110,19 +110,29 @@ typename CellModel<T>::State StartOf(const CellModel<T>& model,
   return state;
 }
 
-// visit(k, soc, voltage) at every row.
+// visit(k, soc, voltage) at every row. Where `flowed_A` has rows, the current of a row is that of its instant alone,
+// and since the row before flowed_A flowed and, where there is any, more_A.
 template <class T, class Visit>
 void Walk(const CellParameters<double>& parameters,
           const std::vector<T>& x,
           const Record& record,
-          double mean_A,
+          const FlownCurrent& flown,
           const Surroundings& among,
+          const Eigen::VectorXd* more_A,
           Visit&& visit) {
   const CellModel<T> model(WithUnknowns(parameters, x));
-  RecordStepper<T> stepper(model, record.hold, StartOf(model, x, mean_A, among));
+  const bool apart = !flown.since_A.empty();
+  RecordStepper<T> stepper(
+      model, apart ? Hold::kForward : record.hold, StartOf(model, x, flown.mean_A, among));
+  const auto corrected = [&](double shown_A) {
+    return (T(1.0) + x[U::kScale]) * (T(shown_A) - x[U::kOffset_A]);
+  };
   for (std::size_t k = 0; k < record.size(); ++k) {
-    const T current_A = (T(1.0) + x[U::kScale]) * (T(record.current_A[k]) - x[U::kOffset_A]);
-    stepper.Row(record.time_s[k], current_A);
+    if (apart && k > 0) {
+      const double more = more_A == nullptr ? 0.0 : (*more_A)[static_cast<Eigen::Index>(k)];
+      stepper.SetFlowing(corrected(flown.since_A[k] + more));
+    }
+    stepper.Row(record.time_s[k], corrected(record.current_A[k]));
     if (!among.measured_degC.empty())
       stepper.SetTemperature(T(among.measured_degC[k] + kZeroCelsius_K));
     visit(k, stepper.Soc(), stepper.Voltage());
@@ -143,8 +153,9 @@ CurveShare ShareOf(double soc) {
 
 FlightModel::FlightModel(const ReferenceCell& reference,
                          const Record& record,
-                         const Surroundings& among)
-    : reference_(reference), record_(record), among_(among) {
+                         const Surroundings& among,
+                         const Column& flowed_A)
+    : reference_(reference), record_(record), among_(among), flown_{flowed_A, 0.0} {
   Eigen::MatrixXd covariance(kCurveNodes, kCurveNodes);
   for (int a = 0; a < kCurveNodes; ++a) {
     for (int b = 0; b < kCurveNodes; ++b) {
@@ -157,7 +168,7 @@ FlightModel::FlightModel(const ReferenceCell& reference,
   double charge_C = 0.0;
   for (std::size_t k = 1; k < record.size(); ++k)
     charge_C += record.current_A[k] * (record.time_s[k] - record.time_s[k - 1]);
-  if (record.size() > 1) mean_A_ = charge_C / (record.time_s.back() - record.time_s.front());
+  if (record.size() > 1) flown_.mean_A = charge_C / (record.time_s.back() - record.time_s.front());
 }
 
 FlightPrediction FlightModel::Predict(const Eigen::VectorXd& unknowns) const {
@@ -169,8 +180,9 @@ FlightPrediction FlightModel::Predict(const Eigen::VectorXd& unknowns) const {
   Walk(reference_.cell.Parameters(),
        x,
        record_,
-       mean_A_,
+       flown_,
        among_,
+       nullptr,
        [&](std::size_t row, const Jet& soc, const Jet& voltage_V) {
          const auto k = static_cast<Eigen::Index>(row);
          const auto [lower, share] = ShareOf(soc.a);
@@ -185,28 +197,58 @@ FlightPrediction FlightModel::Predict(const Eigen::VectorXd& unknowns) const {
   return out;
 }
 
-Eigen::VectorXd FlightModel::VoltageOf(const Cell& cell, const Eigen::VectorXd& unknowns) const {
+Eigen::VectorXd FlightModel::VoltageOf(const Cell& cell,
+                                       const Eigen::VectorXd& unknowns,
+                                       const Eigen::VectorXd* more_A) const {
   const std::vector<double> x(unknowns.data(), unknowns.data() + U::kCount);
   Eigen::VectorXd voltage_V(static_cast<Eigen::Index>(record_.size()));
-  Walk(cell.Parameters(), x, record_, mean_A_, among_, [&](std::size_t k, double, double v) {
+  Walk(cell.Parameters(), x, record_, flown_, among_, more_A, [&](std::size_t k, double, double v) {
     voltage_V[static_cast<Eigen::Index>(k)] = v;
   });
   return voltage_V;
 }
 
+Eigen::VectorXd FlightModel::VoltageWith(const Eigen::VectorXd& unknowns,
+                                         const Eigen::VectorXd& more_A) const {
+  return VoltageOf(reference_.cell, unknowns, &more_A);
+}
+
 ResistanceAt FlightModel::StepResistance(const Eigen::VectorXd& unknowns,
                                          double soc,
-                                         double current_A) const {
+                                         double current_A,
+                                         double settle_s) const {
   std::vector<Jet> x;
   for (int u = 0; u < U::kCount; ++u) x.emplace_back(unknowns[u], u);
   const CellModel<Jet> model(WithUnknowns(reference_.cell.Parameters(), x));
   auto rest = model.Relaxed(Jet(soc));
   if (reference_.cell.temperature)
     rest.temperature_K = Jet(reference_.cell.temperature->reference_K);
-  const Jet drop_V = model.Voltage(rest, Jet(0.0)) - model.Voltage(rest, Jet(current_A));
+  const Jet before_V = model.Voltage(rest, Jet(0.0));
+  for (std::size_t j = 0; j < rest.branch_V.size(); ++j) {
+    const auto& branch = model.parameters().branches[j];
+    const double usual_s = reference_.cell.branches[j].time_constant_s;
+    if (usual_s > settle_s) continue;
+    Jet settled(1.0);  // (4.50)
+    if (usual_s > 0.0) settled -= exp(-settle_s / branch.time_constant_s);
+    rest.branch_V[j] = settled * branch.resistance_Ohm(Jet(soc)) * current_A;
+  }
+  const Jet drop_V = before_V - model.Voltage(rest, Jet(current_A));
   ResistanceAt at{drop_V.a / current_A, Eigen::VectorXd::Zero(size())};
   at.slope.head(U::kCount) = drop_V.v / drop_V.a;
   return at;
+}
+
+double FlightModel::GrowthOfDrop(const Eigen::VectorXd& unknowns,
+                                 double soc,
+                                 double current_A,
+                                 double held_s) const {
+  const std::vector<double> x(unknowns.data(), unknowns.data() + U::kCount);
+  const CellModel<double> model(WithUnknowns(reference_.cell.Parameters(), x));
+  auto state = model.Relaxed(soc);
+  const double rest_V = model.Voltage(state, 0.0);
+  const double at_once_V = rest_V - model.Voltage(state, current_A);
+  model.Advance(state, current_A, model.MakeStep(held_s));
+  return (rest_V - model.Voltage(state, current_A)) / at_once_V - 1.0;
 }
 
 }  // namespace lipoid

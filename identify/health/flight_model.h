@@ -49,28 +49,52 @@ struct ResistanceAt {
   Eigen::VectorXd slope;  ///< of its logarithm, in the unknowns
 };
 
+/// What flowed since the row before, at each row, where that is not as the rows say; and on average.
+struct FlownCurrent {
+  Column since_A;
+  double mean_A = 0.0;
+};
+
 class FlightModel {
  public:
-  /// The record is that of one cell and outlives the model.
-  FlightModel(const ReferenceCell& reference, const Record& record, const Surroundings& among);
+  /// The record is that of one cell and outlives the model. Where flowed_A has rows it is what flowed since the row
+  /// before, and the current of the record that of the instant (unresolved_current.h).
+  FlightModel(const ReferenceCell& reference,
+              const Record& record,
+              const Surroundings& among,
+              const Column& flowed_A = {});
 
   [[nodiscard]] int size() const { return FlightUnknowns::kCount + kCurveNodes; }
   [[nodiscard]] FlightPrediction Predict(const Eigen::VectorXd& unknowns) const;
 
   /// The voltage of another cell, say one with other parameters, at these unknowns.
-  [[nodiscard]] Eigen::VectorXd VoltageOf(const Cell& cell, const Eigen::VectorXd& unknowns) const;
+  [[nodiscard]] Eigen::VectorXd VoltageOf(const Cell& cell,
+                                          const Eigen::VectorXd& unknowns,
+                                          const Eigen::VectorXd* more_A = nullptr) const;
 
-  /// What a step from rest to current_A shows at once, over the current: at 25 degC where the
+  /// The voltage where more_A flowed besides, on average, since the row before, of a model that was given flowed_A.
+  [[nodiscard]] Eigen::VectorXd VoltageWith(const Eigen::VectorXd& unknowns,
+                                            const Eigen::VectorXd& more_A) const;
+
+  /// What a step from rest to current_A shows after settle_s, over the current, of which branches that are no slower than
+  /// that are a part and slower ones and diffusion are not: at 25 degC where the
   /// temperature of the flight is known, else at the reference temperature, where it is taken to begin.
   [[nodiscard]] ResistanceAt StepResistance(const Eigen::VectorXd& unknowns,
                                             double soc,
-                                            double current_A) const;
+                                            double current_A,
+                                            double settle_s) const;
+
+  /// How much larger that drop is where current_A has flowed for held_s, as a share of it.
+  [[nodiscard]] double GrowthOfDrop(const Eigen::VectorXd& unknowns,
+                                    double soc,
+                                    double current_A,
+                                    double held_s) const;
 
  private:
   const ReferenceCell& reference_;
   const Record& record_;
   Surroundings among_;
-  double mean_A_ = 0.0;
+  FlownCurrent flown_;
   Eigen::MatrixXd curve_;  // node voltages of unit coordinates: nodes x coordinates
 };
 

@@ -237,6 +237,7 @@ FlightSamples SampleFlight(const Log& log) {
     flight.coherence = 0.0;
     ChooseWindows(flight);
   }
+  flight.unresolved = FindUnresolved(record, flight.current_update_s);
   flight.voltage_V.resize(static_cast<Eigen::Index>(flight.windows.size()));
   for (std::size_t w = 0; w < flight.windows.size(); ++w) {
     const auto [first, end] = flight.windows[w];

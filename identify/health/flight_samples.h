@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "identify/health/unresolved_current.h"
 #include "identify/logs/log.h"
 
 namespace lipoid {
@@ -54,9 +55,12 @@ struct FlightSamples {
   double largest_A = 0.0;
   double unfollowed_share =
       0.0;  ///< noise that was taken out of the current (followed_current.h), of the largest
+  UnresolvedCurrent unresolved;  ///< between the values of the current
   double gap_C = 0.0;            ///< that may have flowed in gaps between the rows
   std::size_t dropped_rows = 0;  ///< at the end, while the plug was pulled
 
+  /// The shortest time after a step of the current that the samples tell from the step itself.
+  [[nodiscard]] double settle_s() const { return 2.0 * std::max(window_s, voltage_update_s); }
   /// What is said of that noise; none where none was taken out.
   [[nodiscard]] std::optional<std::string> SaidOfNoise() const;
   /// Values at all rows of the record as the windows see them: taken `after_s` earlier, with straight

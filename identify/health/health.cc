@@ -110,6 +110,15 @@ void AddCautions(const FlightSamples& samples,
         samples.window_s));
   }
   if (auto said = samples.SaidOfNoise()) cautions.push_back(std::move(*said));
+  constexpr double kWorthSaying = 0.005;  // of the charge
+  if (samples.unresolved.charge_C > kWorthSaying * std::abs(fit.charge_C)) {
+    cautions.push_back(fmt::format(
+        "the current changes faster than its values come, {:.2g} s apart: between them it is known to {:.2g} A and the "
+        "charge to {:.2g} %, which the intervals hold; values that come more often, or that are means, tell more",
+        samples.unresolved.between_s,
+        samples.unresolved.most_A(),
+        100.0 * samples.unresolved.charge_C / std::abs(fit.charge_C)));
+  }
   if (fit.nearly_as_likely && health.capacity_Ah.known()) {
     cautions.push_back(fmt::format(
         "a pack of {:.3g} Ah would explain this flight nearly as well: the intervals reach towards it, and a longer "
@@ -330,7 +339,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
     of_warmth = kGuessedWarmth_K / std::sqrt(3.0) * reference.cell.temperature->series_J_per_mol /
                 (kGasConstant_J_per_mol_K * start_K * start_K);
   }
-  const FlightModel model(reference, record, among);
+  const FlightModel model(reference, record, among, samples.unresolved.flowed_A);
   const FlightFit fit = FitFlight(reference, samples, model, options.sensors);
 
   health.converged = fit.converged;
@@ -338,7 +347,8 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   const Eigen::MatrixXd& covariance = fit.covariance;
   const Eigen::MatrixXd given = GivenScale(covariance);
   const double alpha_C = reference.cell.alpha_C() * std::exp(x[U::kCapacity]);
-  const double true_C = (1.0 + x[U::kScale]) * (fit.charge_C - x[U::kOffset_A] * fit.duration_s);
+  const double true_C =
+      (1.0 + x[U::kScale]) * (fit.charge_C + fit.uncounted_C - x[U::kOffset_A] * fit.duration_s);
   health.duration_s = fit.duration_s;
   health.charge_Ah = fit.charge_C / 3600.0;
   health.soc_start = Symmetric(x[U::kStart], std::sqrt(covariance(U::kStart, U::kStart)));
@@ -348,7 +358,12 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   slope[U::kScale] = -true_C / (1.0 + x[U::kScale]) / alpha_C;
   slope[U::kOffset_A] = (1.0 + x[U::kScale]) * fit.duration_s / alpha_C;
   const double soc_end = x[U::kStart] - true_C / alpha_C;
-  health.soc_end = Symmetric(soc_end, Deviation(slope, covariance));
+  const double of_uncounted = -(1.0 + x[U::kScale]) / alpha_C;
+  const double of_end = std::sqrt(
+      std::max(0.0,
+               slope.dot(covariance * slope) + 2.0 * of_uncounted * slope.dot(fit.uncounted_with) +
+                   of_uncounted * of_uncounted * fit.uncounted_variance_C2));
+  health.soc_end = Symmetric(soc_end, of_end);
 
   const double scale = 1.0 + x[U::kScale];
   slope.setZero();
@@ -393,7 +408,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
     // What was believed of the capacity and what the flight says exclude one another.
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(fmt::format(
         "the flight fits a pack of {:.2g} times the capacity of the new one, which is {:.3g} Ah; give "
-        "the right capacity (--capacity-Ah)",
+        "the right capacity (--capacity-Ah), unless the current is wrong, or its unit",
         std::exp(x[U::kCapacity]),
         reference.cell.alpha_C() / 3600.0));
   } else {
@@ -404,18 +419,25 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
 
   const double step_A = 0.5 * samples.largest_A;
   const double middle = std::clamp(0.5 * (x[U::kStart] + soc_end), 0.2, 0.9);
-  const ResistanceAt resistance = model.StepResistance(x, middle, std::max(step_A, 1e-3));
+  const auto resistance_of = [&](const Eigen::VectorXd& unknowns) {
+    return model.StepResistance(unknowns, middle, std::max(step_A, 1e-3), samples.settle_s());
+  };
+  const ResistanceAt resistance = resistance_of(x);
   health.new_resistance_Ohm =
-      reference.typical ? kNaN
-                        : options.series * model
-                                               .StepResistance(Eigen::VectorXd::Zero(model.size()),
-                                                               middle,
-                                                               std::max(step_A, 1e-3))
-                                               .resistance_Ohm;
+      reference.typical
+          ? kNaN
+          : options.series * resistance_of(Eigen::VectorXd::Zero(model.size())).resistance_Ohm;
   // Where a current was measured at another instant than the voltage, a slope of one over the other
   // is too small. The slope the other way round is too large, by the square of the coherence between
   // them: the truth is in between.
-  const double sampling = 0.25 * (1.0 - samples.coherence * samples.coherence);
+  double sampling = 0.25 * (1.0 - samples.coherence * samples.coherence);
+  // Of a current that changes between its values nobody knows how long that of a row had flowed before it, and with
+  // it how much of the drop takes time.
+  if (samples.unresolved.any()) {
+    sampling = std::hypot(
+        sampling,
+        0.5 * model.GrowthOfDrop(x, middle, std::max(step_A, 1e-3), samples.unresolved.between_s));
+  }
   const double of_resistance =
       std::hypot(Deviation(resistance.slope, covariance), sampling, of_warmth);
   health.log_resistance_deviation =

@@ -98,6 +98,8 @@ class RecordStepper {
     current_A_ = current_A;
   }
 
+  /// The current that flows from the row last moved to, where it is not that of the row (hold forward).
+  void SetFlowing(const T& current_A) { current_A_ = current_A; }
   /// What was measured at the row last moved to.
   void SetTemperature(const T& temperature_K) { state_.temperature_K = temperature_K; }
 

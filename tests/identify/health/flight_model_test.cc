@@ -99,9 +99,9 @@ TEST(FlightModel, StepResistanceIsWhatAStepShows) {
   const Case c;
   const FlightModel model(c.reference, c.record, c.among);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(model.size());
-  const double once_Ohm = model.StepResistance(x, 0.6, 30.0).resistance_Ohm;
+  const double once_Ohm = model.StepResistance(x, 0.6, 30.0, 0.0).resistance_Ohm;
   x[U::kSeries] = std::log(2.0);
-  const auto twice = model.StepResistance(x, 0.6, 30.0);
+  const auto twice = model.StepResistance(x, 0.6, 30.0, 0.0);
   EXPECT_NEAR(twice.resistance_Ohm - once_Ohm, c.reference.cell.series_resistance_Ohm(0.6), 1e-12);
   EXPECT_NEAR(twice.slope[U::kSeries],
               2.0 * c.reference.cell.series_resistance_Ohm(0.6) / twice.resistance_Ohm,
