@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "model/battery/cell_parameters.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
@@ -236,6 +237,25 @@ LinearizedFit Linearize(const Observations& seen,
   all.penalty.bottomRightCorner(layout.size(), layout.size()) = nodes;
   Quantities(all, solution, known, searched, seen.scales(), axis).Fill();
   return all;
+}
+
+Eigen::MatrixXd StepsOf(Eigen::MatrixXd square,
+                        Eigen::MatrixXd right,
+                        const std::vector<Eigen::Index>& held) {
+  for (const Eigen::Index k : held) {
+    square.row(k).setZero();
+    square.col(k).setZero();
+    right.row(k).setZero();
+  }
+  // In units in which each unknown carries as much as another.
+  Eigen::VectorXd unit = square.diagonal();
+  for (double& u : unit) u = u > 0.0 ? 1.0 / std::sqrt(u) : 0.0;
+  const Eigen::MatrixXd scaled = unit.asDiagonal() * square * unit.asDiagonal();
+  Eigen::MatrixXd steps(right.rows(), right.cols());
+  for (Eigen::Index k = 0; k < right.cols(); ++k) {
+    steps.col(k) = unit.cwiseProduct(ShortestLeastSquares(scaled, unit.cwiseProduct(right.col(k))));
+  }
+  return steps;
 }
 
 }  // namespace lipoid

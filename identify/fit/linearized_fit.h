@@ -42,4 +42,10 @@ struct LinearizedFit {
                                       const GivenParameters& known,
                                       const FitAxis& axis = {});
 
+/// The steps of the parameters that minimize the quadratic with this matrix, one for each right side. Those that are
+/// held stay, and so does what carries nothing.
+[[nodiscard]] Eigen::MatrixXd StepsOf(Eigen::MatrixXd square,
+                                      Eigen::MatrixXd right,
+                                      const std::vector<Eigen::Index>& held);
+
 }  // namespace lipoid

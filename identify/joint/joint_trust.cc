@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "identify/fit/pulse_resistance.h"
+#include "identify/joint/held_error.h"
 #include "identify/joint/joint_drawn.h"
 #include "identify/joint/structure_spread.h"
 
@@ -134,6 +135,23 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   for (std::size_t k = 0; k < pulses.size(); ++k) {
     pulses[k].added_spread =
         SpreadOverStructures(result.choice, [&](const auto& in) { return resistances(in)[k]; });
+  }
+  // Columns are moves that all have in common: those of what is held come first, then those of each.
+  const HeldError by_held = FindHeldError(result, fit, question);
+  const auto count = [](const Eigen::VectorXd& held, Eigen::VectorXd& added_spread) {
+    const Eigen::VectorXd own = added_spread;
+    added_spread.resize(held.size() + own.size());
+    added_spread << held, own;
+  };
+  if (const Eigen::MatrixXd& moves = by_held.of_parameters; moves.cols() > 0) {
+    for (TrustedQuantity& q : quantities) count(moves.transpose() * q.combination, q.added_spread);
+    for (NamedCombination& one : with_held.drawn)
+      count(moves.transpose() * one.combination, one.added_spread);
+    for (std::size_t k = 0; k < pulses.size(); ++k) {
+      count(moves.transpose() * pulses[k].combination +
+                by_held.of_resistances.row(static_cast<Eigen::Index>(k)).transpose(),
+            pulses[k].added_spread);
+    }
   }
   with_held.drawn.insert(with_held.drawn.end(), pulses.begin(), pulses.end());
   TrustReport report = AssessTrust(fit.logs, fit.penalty, quantities, with_held);

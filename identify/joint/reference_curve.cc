@@ -5,11 +5,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "identify/fit/linearized_fit.h"
 #include "identify/joint/joint_run.h"
-#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
@@ -91,17 +91,7 @@ std::optional<CurveMove> MoveOfHeldCurve(const JointResult& result) {
   const Eigen::VectorXd of_nodes = square.diagonal().tail(m);
   square.diagonal().tail(m) *= 1.0 + kRidge;
   square.topLeftCorner(p, p) += fit.penalty;
-  for (const Eigen::Index k : fit.held) {
-    square.row(k).setZero();
-    square.col(k).setZero();
-    with_residual[k] = 0.0;
-  }
-  // In units in which each unknown carries as much as another; what carries nothing stays.
-  Eigen::VectorXd unit = square.diagonal();
-  for (double& u : unit) u = u > 0.0 ? 1.0 / std::sqrt(u) : 0.0;
-  const Eigen::MatrixXd scaled = unit.asDiagonal() * square * unit.asDiagonal();
-  const Eigen::VectorXd move =
-      unit.cwiseProduct(ShortestLeastSquares(scaled, unit.cwiseProduct(with_residual)));
+  const Eigen::VectorXd move = StepsOf(std::move(square), std::move(with_residual), fit.held);
 
   double after_V2 = 0.0;
   for (std::size_t l = 0; l < fit.logs.size(); ++l)
