@@ -28,7 +28,14 @@ auto ScalarPart(const T& x) -> decltype(double(x.a)) {
 /// order, which is all that first derivatives need.
 template <class T>
 T Linearized(double value, double slope, const T& x) {
-  return T(value) + slope * (x - T(ScalarPart(x)));
+  if constexpr (requires(T y) { y.v *= slope; }) {  // a Jet
+    T y(x);
+    y.a = value;
+    y.v *= slope;
+    return y;
+  } else {
+    return T(value) + slope * (x - T(ScalarPart(x)));
+  }
 }
 inline double Linearized(double value, double, double) { return value; }
 
@@ -38,10 +45,10 @@ inline double Phi(double z) { return z == 0.0 ? 1.0 : std::expm1(z) / z; }
 /// phi'(z) = (e^z (z - 1) + 1)/z², by its series where that form cancels.
 inline double PhiSlope(double z) {
   if (std::abs(z) >= 1.0) return (std::exp(z) * (z - 1.0) + 1.0) / (z * z);
-  // sum_j (j+1) z^j/(j+2)!; the term after the 17th is below 1e-16 for |z| < 1.
+  // sum_j (j+1) z^j/(j+2)!; the term after the 17th is below 1e-16 for |z| < 1, and often so is an earlier one.
   double term = 0.5;  // z^j/(j+2)!
   double sum = 0.0;
-  for (int j = 0; j < 17; ++j) {
+  for (int j = 0; j < 17 && std::abs(term) > 1e-20; ++j) {
     sum += (j + 1) * term;
     term *= z / (j + 3);
   }
