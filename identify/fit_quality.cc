@@ -59,9 +59,14 @@ void CountTimes(const std::vector<ConstantCurrentErrors>& times, Judgement& judg
 // alpha is the charge down to the cut-off, by definition.
 void CountCutoff(const Cell& cell, Judgement& judgement) {
   const OpenCircuitVoltage& curve = cell.open_circuit_voltage;
-  constexpr double kReached_V = 0.02;
-  if (!(curve(curve.soc_lo()) <= cell.cutoff_V + kReached_V)) return;
-  const double soc = std::max(curve.SocAtVoltage(cell.cutoff_V), curve.soc_lo());
+  constexpr double kReached_V =
+      0.15;  // above it on; v_oc(A) falls ever faster, so that its slope leads there too late
+  const auto& lowest = curve.below();
+  const double above_V = lowest.value_V - cell.cutoff_V;
+  if (!(above_V <= kReached_V)) return;
+  const double soc = above_V > 0.0 && lowest.slope_V > 0.0
+                         ? curve.soc_lo() - above_V / lowest.slope_V
+                         : std::max(curve.SocAtVoltage(cell.cutoff_V), curve.soc_lo());
   judgement.Count(
       GradeOf(soc, kCutoffLimits),
       fmt::format(

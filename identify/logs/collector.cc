@@ -5,9 +5,11 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "model/core/counted.h"
@@ -57,6 +59,17 @@ std::size_t BridgeHoles(const Column& time_s, Column& values) {
   }
   values = std::move(filled);
   return rows;
+}
+
+// Of '1,000' after 999 that was read as 1.
+bool IsThousandAfter(std::string_view text, double last_s) {
+  const auto mark = text.find_first_of(".,");
+  if (mark == text.npos || text.size() - mark - 1 != 3) return false;
+  std::string whole(text);
+  whole.erase(mark, 1);
+  double value_s = 0.0;
+  const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), value_s);
+  return error == std::errc() && end == whole.data() + whole.size() && value_s > last_s;
 }
 
 }  // namespace
@@ -314,6 +327,8 @@ void Collector::FailBackwards(std::size_t row, double fell_s) const {
     if (fell_s <= clock.fall_s && fell_s >= clock.fall_s - kLongestRow_s) hint = clock.hint;
   }
   const std::size_t column = plan_.Of(Quantity::kTime)->column;
+  if (IsThousandAfter(reader_.TextOf(row, column), last_s_))
+    hint = "if the mark in it is one for thousands, export numbers without; ";
   const std::string last =
       std::isinf(last_s_) ? std::string() : fmt::format(" after {:.10g} s", last_s_);
   throw LoadError(

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "identify/logs/columns.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -36,12 +37,36 @@ double LargestJump(std::span<const double> v, std::size_t first, std::size_t end
   return *std::max_element(largest.begin(), largest.end());
 }
 
-bool CurrentExplains(std::span<const double> i, std::size_t row) {
+// The current changes towards the row and back, both times the other way than the voltage.
+bool CurrentExplains(const Record& record, std::size_t row) {
+  const Column& i = record.current_A;
+  const Column& v = record.voltage_V;
   const double largest = std::max({std::abs(i[row]), std::abs(i[row - 1]), std::abs(i[row + 1])});
   const auto steps = [&](std::size_t other) {
-    return std::abs(i[row] - i[other]) > kStepOfCurrent * largest;
+    const double step_A = i[row] - i[other];
+    return std::abs(step_A) > kStepOfCurrent * largest && step_A * (v[row] - v[other]) < 0.0;
   };
   return steps(row - 1) && steps(row + 1);
+}
+
+// A few rows among others whose voltage is next to none, as where a sensor did not answer: whatever flows, no cell has
+// it.
+std::vector<std::size_t> FindDeadRows(const Column& v) {
+  constexpr double kDead = 0.1;  // of the usual voltage
+  constexpr std::size_t kMost = 5;
+  const Extent extent = FindExtent(v);
+  if (!(extent.least < kDead * extent.most)) return {};
+  const double dead_V = kDead * Median(std::vector<double>(v.begin(), v.end()));
+  std::vector<std::size_t> rows;
+  for (std::size_t k = 0; k < v.size();) {
+    const std::size_t first = k;
+    while (k < v.size() && v[k] < dead_V) ++k;
+    if (k > first && first > 0 && k < v.size() && k - first <= kMost) {
+      for (std::size_t row = first; row < k; ++row) rows.push_back(row);
+    }
+    k = std::max(k, first + 1);
+  }
+  return rows;
 }
 
 }  // namespace
@@ -49,9 +74,10 @@ bool CurrentExplains(std::span<const double> i, std::size_t row) {
 std::vector<std::size_t> FindSpikes(const Record& record) {
   const Column& v = record.voltage_V;
   if (v.size() < 4) return {};
+  const std::vector<std::size_t> dead = FindDeadRows(v);
   // Most pieces have no jump at all, which is seen without looking at each row.
   constexpr std::size_t kPiece = 1024;
-  std::vector<std::size_t> candidates;
+  std::vector<std::size_t> candidates = dead;
   for (std::size_t first = 1; first + 1 < v.size(); first += kPiece) {
     const std::size_t end = std::min(first + kPiece, v.size() - 1);
     if (LargestJump(v, first, end) <= kLeastJump_V) continue;
@@ -60,6 +86,8 @@ std::vector<std::size_t> FindSpikes(const Record& record) {
     }
   }
   if (candidates.empty()) return {};
+  std::sort(candidates.begin(), candidates.end());
+  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
   Extent others;
   std::size_t from = 0;
   const auto take = [&](std::size_t to) {
@@ -73,8 +101,9 @@ std::vector<std::size_t> FindSpikes(const Record& record) {
   if (!(others.least <= others.most)) return {};
   const double margin_V = std::max(kLeastJump_V, kBeyond * (others.most - others.least));
   std::erase_if(candidates, [&](std::size_t row) {
+    if (std::binary_search(dead.begin(), dead.end(), row)) return false;
     const bool beyond = v[row] > others.most + margin_V || v[row] < others.least - margin_V;
-    return !beyond || CurrentExplains(record.current_A, row);
+    return !beyond || CurrentExplains(record, row);
   });
   return candidates;
 }

@@ -67,12 +67,16 @@ double SocAtRestVoltage(const Cell& cell, double voltage_V, const Surroundings& 
   const RestVoltage rest_V(cell, surroundings);
   const double soc = rest_V.Soc(of_one_V);
   if (!rest_V.Has(soc, of_one_V)) {
-    throw OptionError(
-        fmt::format("initial voltage: expected one that v_oc(A) of the cell has, {:.4g} .. {:.4g} "
-                    "V, found {} V",
-                    cell.series * rest_V(cell.open_circuit_voltage.soc_lo()),
-                    cell.series * rest_V(cell.open_circuit_voltage.soc_hi()),
-                    voltage_V));
+    const bool of_one_cell = cell.series > 1 && rest_V.Has(rest_V.Soc(voltage_V), voltage_V);
+    throw OptionError(fmt::format(
+        "initial voltage: expected one that v_oc(A) of the {} has, {:.4g} .. {:.4g} V, found {} V{}",
+        cell.series > 1 ? fmt::format("pack of {} cells in series", cell.series) : "cell",
+        cell.series * rest_V(cell.open_circuit_voltage.soc_lo()),
+        cell.series * rest_V(cell.open_circuit_voltage.soc_hi()),
+        voltage_V,
+        of_one_cell
+            ? fmt::format(", which is that of one of them: give {:.4g}", cell.series * voltage_V)
+            : ""));
   }
   return soc;
 }

@@ -226,8 +226,11 @@ std::vector<std::string> EnduranceSentences(const EnduranceRequest& request,
   if (!IsFlight(answer.estimate)) {
     sentences.push_back(fmt::format(
         "This pack cannot carry this mission: the flight ends after {:.2g} s. Give more cells "
-        "(--series, --parallel) or a fuller pack, or take less payload or power.",
-        answer.estimate.time_s));
+        "(--series, --parallel) or a fuller pack, or take less payload or power{}.",
+        answer.estimate.time_s,
+        request.airspeed_m_per_s
+            ? ", or fly slower (--airspeed-m-per-s; --mission cruise says how fast this vehicle flies at most)"
+            : ""));
   }
   sentences.push_back(Reason(request, answer));
   if (std::string peaks = PassedOver(answer.estimate); !peaks.empty())

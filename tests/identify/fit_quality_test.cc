@@ -103,6 +103,9 @@ TEST(FitQuality, SeesThatTheCutOffIsNotWhereTheCellIsEmpty) {
           "v_oc(A) is down to the cut-off of 3 V at a state of charge of 0.38, so that alpha, "
           "0.376 Ah, is not the charge that these logs show: look at initial_soc and at where "
           "alpha is from"}));
+  // The last row of a log lies a little above the cut-off, and the curve's slope leads there far from empty.
+  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.24, 0.3, 1.0}, {3.1, 3.2, 4.2});
+  EXPECT_EQ(JudgeFit(cell, well, {}, 800, 0.4).grade, FitGrade::kFair);
   // An alpha that was only assumed, as that of a flight, need not be.
   EXPECT_EQ(JudgeFit(cell, well, {}, 800, 0.4, AlphaOf::kElsewhere).grade, FitGrade::kGood);
   // Where no log went so deep nothing is known of it.

@@ -532,8 +532,41 @@ TEST(EnduranceCommand, SaysThatTheWayBackIsNotFlown) {
   EXPECT_NE(messages(there, {}).find(said), std::string::npos);
   EXPECT_NE(messages(there, {}).find("without the drag of the air"), std::string::npos);
   EXPECT_EQ(messages(there, {"--once"}).find(said), std::string::npos);
+  const auto table = RunLipoid(folder,
+                               {"endurance",
+                                "--vehicle",
+                                "mambo-physical",
+                                "--cell",
+                                kCell,
+                                "--mission",
+                                "waypoints=route.toml",
+                                "--over",
+                                "payload-g=0:5:10"});
+  EXPECT_EQ(table.exit_code, 2);
+  EXPECT_NE(
+      table.err.find(
+          "option --over: a table flies the mission of a file once, so that payload-g cannot stand in "
+          "it; give each a run of its own, with --payload-g"),
+      std::string::npos)
+      << table.err;
   const std::string back = "\n[[waypoint]]\naltitude_m = 1\nstay_s = 8\n";
   EXPECT_EQ(messages(there + back, {}).find(said), std::string::npos);
+}
+
+TEST(EnduranceCommand, SaysThatTheAirIsTooFast) {
+  const auto folder = TestFolder();
+  const auto fast = RunLipoid(folder,
+                              {"endurance",
+                               "--vehicle",
+                               "f450",
+                               "--cell",
+                               kCell,
+                               "--series",
+                               "4",
+                               "--airspeed-m-per-s",
+                               "60"});
+  EXPECT_EQ(fast.exit_code, 1);
+  EXPECT_NE(fast.out.find("or fly slower (--airspeed-m-per-s;"), std::string::npos) << fast.out;
 }
 
 TEST(EnduranceCommand, SaysWhichPowerThePackCannotGive) {

@@ -642,6 +642,12 @@ TEST(Validate, SaysWhereTheTemperatureMayBeWhyACellIsOff) {
                             "--ambient-degC says which it was"),
             std::string::npos)
       << silent.err;
+  const auto simulated =
+      RunLipoid(folder, {"simulate", "knowing.json", "--current", "silent.csv", "-o", "p.csv"});
+  EXPECT_NE(
+      simulated.err.find("silent.csv: it tells no temperature, and is predicted at 25 degC; "),
+      std::string::npos)
+      << simulated.err;
   EXPECT_NE(warm.find(off + "it was identified at 0.5 degC, and that may be why"),
             std::string::npos)
       << warm;

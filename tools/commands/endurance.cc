@@ -297,10 +297,11 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   choices.SetRepeats(request);
   if (request.power && over &&
       (over->variable->name == "payload-g" || over->variable->name == "airspeed-m-per-s")) {
-    throw OptionError(
-        fmt::format("option --over: {} is for hover and cruise, not for the mission "
-                    "of a file",
-                    over->variable->name));
+    throw OptionError(fmt::format(
+        "option --over: a table flies the mission of a file once, so that {} cannot stand in it; give "
+        "each a run of its own{}",
+        over->variable->name,
+        mission.starts_with("power=") ? "" : fmt::format(", with --{}", over->variable->name)));
   }
 
   const EnduranceAnswer answer = FindEndurance(

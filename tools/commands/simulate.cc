@@ -186,6 +186,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
         current_file);
   }
   TellWhatIsExtrapolated(line, cell, {&surroundings, 1});
+  TellWhatTemperatureMayExplain(line, cell, current_file, surroundings);
   const double initial_soc = start.Soc(cell, surroundings);
   const Hold hold = log.record.hold;
 

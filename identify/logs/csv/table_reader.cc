@@ -399,6 +399,9 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
             "; numbers of this file are read with a decimal {} and without marks for thousands: export them so",
             decimal_comma() ? "comma" : "point");
       }
+      if (cell.text == column.name)
+        remedy =
+            "; the header is repeated here: logs that were joined are read one by one, each from a file of its own";
       FailAt(cell.column,
              fmt::format("expected {} in column '{}', found {}{}",
                          Expected(column.kind),

@@ -391,8 +391,12 @@ class Planner {
     for (const HeaderName& name : header_.names) {
       const std::string& unit = name.unit.empty() ? name.suffix : name.unit;
       // One letter may stand for coulombs or farads.
-      const bool may_be_another = unit.size() == 1 && name.name.find("temp") == std::string::npos;
-      if (!may_be_another && FindUnit(Quantity::kTemperature, unit)) others.push_back(name);
+      const std::string& of = name.unit.empty() ? name.stem : name.name;
+      const bool may_be_another =
+          unit.size() == 1 && of != "t" && name.name.find("temp") == std::string::npos;
+      const bool is_unit = name.name.size() > 1 && FindUnit(Quantity::kTemperature, name.name);
+      if (is_unit || (!may_be_another && FindUnit(Quantity::kTemperature, unit)))
+        others.push_back(name);
     }
     if (others.empty()) return;
     plan_.warnings.push_back(fmt::format(

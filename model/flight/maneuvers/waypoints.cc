@@ -35,7 +35,10 @@ Waypoint ReadWaypoint(const TomlReader& table) {
 
 FlightPlan Plan(const ManeuverRequest& request) {
   const std::string& file = request.waypoints_file;
-  const toml::table document = ParseToml(ReadTextFile(file), file, "a list of waypoints");
+  const toml::table document =
+      ParseToml(ReadTextFile(file),
+                file,
+                "a list of waypoints, tables [[waypoint]] with altitude_m, x_m, y_m, stay_s,");
   std::vector<Diagnostic> problems;
   const TomlReader top(document, file, problems);
   top.OnlyKeys({"waypoint"});

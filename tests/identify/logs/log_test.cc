@@ -108,6 +108,13 @@ TEST(PlainCsv, SaysThatATemperatureIsLeftOut) {
                 "temperature left out: no header says which is that of the cell; if it is one of "
                 "T1 [\u00B0C], T_case_degC, name it with `columns = {temperature_degC = \"...\"}` "
                 "(--columns)"}));
+  for (const std::string header : {"T_K", "Kelvin"}) {
+    EXPECT_EQ(warnings(header, ""),
+              (std::vector<std::string>{
+                  "temperature left out: no header says which is that of the cell; if it is "
+                  "one of " +
+                  header + ", name it with `columns = {temperature_degC = \"...\"}` (--columns)"}));
+  }
   EXPECT_TRUE(warnings("Q [C]", "").empty()) << "a charge";
 }
 
@@ -580,6 +587,15 @@ const Wrong kWrong[] = {
      "time_s;current_mA;voltage_V\n0;0;4,180\n1;-4.997;4,026\n",
      "F:3:3: error: expected a number in column 'current_mA', found '-4.997'; numbers of this file "
      "are read with a decimal comma and without marks for thousands: export them so"},
+    {"marks for thousands within quotes",
+     "time_s,current_mA,voltage_mV\n\"999\",\"1,300\",\"4,134\"\n\"1,000\",\"1,300\",\"4,130\"\n",
+     "F:3:1: error: expected time to increase, found '1,000' after 999 s; if the mark in it is one for thousands, "
+     "export numbers without; " +
+         kStartsAnew},
+    {"joined with its header",
+     kLogHeader + "0,0,4.1\n1,2,4\n" + kLogHeader + "0,0,4.1\n",
+     "F:4:1: error: expected a number in column 'time_s', found 'time_s'; the header is repeated here: logs that were "
+     "joined are read one by one, each from a file of its own"},
     {"backwards",
      kLogHeader + "0,0,4.1\n2,0,4.1\n1,2,4\n",
      "F:4:1: error: expected time to increase, found '1' after 2 s; " + kStartsAnew},

@@ -23,6 +23,24 @@ TEST(Spikes, AreRowsThatTheirNeighboursKnowNothingOf) {
   EXPECT_EQ(FindSpikes(record), (RowNumbers{30, 75}));
 }
 
+// A sensor that does not answer while the load changes: no current takes the whole voltage, nor leaves it at its end.
+TEST(Spikes, FewRowsWithoutAVoltageAreSpikesWhateverFlows) {
+  Record record = Pulses();
+  record.voltage_V[63] = 0.0;  // within the pulse of 20 A
+  record.voltage_V[84] = record.voltage_V[85] = 0.1;
+  EXPECT_EQ(FindSpikes(record), (RowNumbers{63, 84, 85}));
+  for (std::size_t k = 90; k < 96; ++k) record.voltage_V[k] = 0.0;
+  EXPECT_EQ(FindSpikes(record), (RowNumbers{63, 84, 85}));  // six are a fault of another kind
+}
+
+// The current changes there and back, and the voltage follows it the wrong way.
+TEST(Spikes, ACurrentThatChangesTheSameWayExplainsNothing) {
+  Record record = Pulses();
+  record.current_A[30] = 2.0;  // of 4 A, while the voltage falls
+  record.voltage_V[30] = 1.5;
+  EXPECT_EQ(FindSpikes(record), RowNumbers{30});
+}
+
 TEST(Spikes, TheFirstAndTheLastRowAreNone) {
   Record record = Pulses();
   record.voltage_V.front() = 10.0;

@@ -19,8 +19,10 @@ TEST(RestVoltage, GivesTheChargeAtWhichAPackRests) {
   Cell pack = ChargeCounter();
   pack.series = 2;
   EXPECT_NEAR(SocAtRestVoltage(pack, 7.5), 0.75, 4.0 * kEpsilon);
-  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)SocAtRestVoltage(pack, 3.7); }),
-            "initial voltage: expected one that v_oc(A) of the cell has, 6 .. 8 V, found 3.7 V");
+  EXPECT_EQ(
+      test::MessageOf<OptionError>([&] { (void)SocAtRestVoltage(pack, 3.7); }),
+      "initial voltage: expected one that v_oc(A) of the pack of 2 cells in series has, 6 .. 8 V, found 3.7 V, "
+      "which is that of one of them: give 7.4");
 }
 
 TEST(RestVoltage, OfHysteresisIsThatWithWhichAPredictionBegins) {
@@ -49,7 +51,7 @@ TEST(RestVoltage, OfHysteresisReachesAFullPack) {
   EXPECT_EQ(NearestSocAtRest(pack, 8.5), 1.0);
   EXPECT_EQ(
       test::MessageOf<OptionError>([&] { (void)SocAtRestVoltage(pack, 8.05); }),
-      "initial voltage: expected one that v_oc(A) of the cell has, 5.96 .. 8.04 V, found 8.05 V");
+      "initial voltage: expected one that v_oc(A) of the pack of 2 cells in series has, 5.96 .. 8.04 V, found 8.05 V");
 }
 
 // v_oc is 3 V + A volts at 25 degC, and 1 mV/K less in the cold: 2.98 V + A volts at 5 degC.
@@ -66,7 +68,7 @@ TEST(RestVoltage, IsThatAtTheTemperatureOfTheCell) {
   const auto too_high = [&] { (void)SocAtRestVoltage(pack, 8.0, {.ambient_degC = 5.0}); };
   EXPECT_EQ(
       test::MessageOf<OptionError>(too_high),
-      "initial voltage: expected one that v_oc(A) of the cell has, 5.96 .. 7.96 V, found 8 V");
+      "initial voltage: expected one that v_oc(A) of the pack of 2 cells in series has, 5.96 .. 7.96 V, found 8 V");
 }
 
 }  // namespace
