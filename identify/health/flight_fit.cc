@@ -32,7 +32,9 @@ class NoiseProblem final : public OptimizationProblem {
     // From the resolution of the fastest window to the length of the flight.
     const double length_s = std::max(20.0, time_s.back() - time_s.front());
     const double step_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size());
-    low_ = Log({1e-4, 1e-5, 2.0 * step_s, 1e-5, 8.0});
+    // However quiet a log, no cell model follows a cell to less than this: without it a flight without noise told of
+    // hundredths of a volt in v_oc(A), and was surely wrong.
+    low_ = Log({3e-4, 3e-4, 2.0 * step_s, 1e-3, 8.0});
     high_ = Log({0.5, 0.5, std::max(8.0, 4.0 * step_s), 0.5, std::max(10.0, 0.5 * length_s)});
   }
   [[nodiscard]] int size() const override { return 5; }

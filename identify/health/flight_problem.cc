@@ -3,10 +3,12 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
 #include "model/battery/uncertain_cell.h"
+#include "model/core/parallel.h"
 #include "model/core/special_values.h"
 #include "model/statistics/factorizations.h"
 
@@ -50,17 +52,19 @@ Eigen::MatrixXd ColumnsOf(const UncertainCell& around,
   // Of a standard deviation, so small that next to no row passes a kink of v_oc(A) on the way: such
   // rows would seem to tell the capacity from the scale of the current.
   constexpr double kStep = 1e-3;
-  Eigen::MatrixXd columns;
-  for (Eigen::Index e = 0; e < moves.cols(); ++e) {
+  std::vector<Eigen::VectorXd> slopes(static_cast<std::size_t>(moves.cols()));
+  ParallelFor(slopes.size(), [&](std::size_t e) {
     const auto voltage_V = [&](double step) {
-      Cell cell = around.At(at + step * moves.col(e));
+      Cell cell = around.At(at + step * moves.col(static_cast<Eigen::Index>(e)));
       if (cell.temperature) cell.self_heating.reset();  // whose parameters the flight does not show
       return model.VoltageOf(cell, unknowns);
     };
-    const Eigen::VectorXd slope = (voltage_V(kStep) - voltage_V(-kStep)) / (2.0 * kStep);
-    if (e == 0) columns.resize(slope.size(), moves.cols());
-    columns.col(e) = slope;
-  }
+    slopes[e] = (voltage_V(kStep) - voltage_V(-kStep)) / (2.0 * kStep);
+  });
+  Eigen::MatrixXd columns;
+  if (!slopes.empty()) columns.resize(slopes.front().size(), moves.cols());
+  for (Eigen::Index e = 0; e < columns.cols(); ++e)
+    columns.col(e) = slopes[static_cast<std::size_t>(e)];
   return columns;
 }
 

@@ -55,7 +55,8 @@ struct Flying {
     around.MoveIntoRange(x);
     OnCell on;
     on.reference = std::make_unique<ReferenceCell>(SameCell(around.At(x), temperature_known));
-    on.model = std::make_unique<FlightModel>(*on.reference, samples.record, among);
+    on.model = std::make_unique<FlightModel>(
+        *on.reference, samples.record, among, samples.unresolved.flowed_A);
     on.problem =
         std::make_unique<FlightProblem>(samples, *on.model, on.reference->spread, SensorSpread());
     on.problem->SetReferences(moves.cols());
@@ -207,6 +208,9 @@ std::vector<Flying> Prepare(const Cell& cell,
     Flying& one = flying.emplace_back();
     one.loaded = loaded;
     one.samples = SampleFlight(loaded.log);
+    // What flowed between values of the current beside their mean is left to the noise here.
+    std::fill(
+        one.samples.unresolved.deviation_A.begin(), one.samples.unresolved.deviation_A.end(), 0.0);
     one.among = {.measured_degC = one.samples.record.temperature_degC,
                  .ambient_degC = loaded.entry.ambient_degC,
                  .initial_degC = loaded.entry.initial_degC};
@@ -217,7 +221,8 @@ std::vector<Flying> Prepare(const Cell& cell,
   ParallelFor(flying.size(), [&](std::size_t f) {
     Flying& one = flying[f];
     const ReferenceCell reference = SameCell(cell, one.temperature_known);
-    const FlightModel model(reference, one.samples.record, one.among);
+    const FlightModel model(
+        reference, one.samples.record, one.among, one.samples.unresolved.flowed_A);
     one.alone = FitFlight(reference, one.samples, model, SensorSpread());
   });
   return flying;

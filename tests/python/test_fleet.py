@@ -1056,12 +1056,12 @@ def of_cells(
     return spread._quantity("r_s", "Ohm", len(values), known, of)
 
 
-@pytest.mark.parametrize("cells", [3, 4, 5, 6, 8, 12, 20, 40])
+@pytest.mark.parametrize("cells", [3, 5, 6, 9, 40])
 def test_noise_seldom_drifts_and_seldom_stands_out(cells: int) -> None:
     from scipy import stats
 
     rng = np.random.default_rng(8)
-    fleets, quantities = 200, 6
+    fleets, quantities = 200 if cells >= 6 else 40, 6  # of fewer cells none drifts
     drifting = standing_out = 0
     for _ in range(fleets):
         noise = [of_cells(rng.normal(size=cells).tolist(), range(cells)) for _ in range(quantities)]
