@@ -60,8 +60,9 @@ UnresolvedCurrent FindUnresolved(const Record& record, double update_s) {
     found.deviation_A.push_back(std::sqrt(beside.variance_A2));
     const double flowed_A = shown_A[f] + beside.share * (beside.mean_A - shown_A[f]);
     const bool backward = record.hold == Hold::kBackward;
+    if (f == (backward ? 0 : at_s.size() - 1))
+      continue;  // nothing flows before the first, or after the last
     const std::size_t from = backward ? f - 1 : f;
-    if (from + 1 >= at_s.size()) continue;  // before the first value, or after the last
     variance_C2 +=
         beside.variance_A2 * std::pow(std::min(at_s[from + 1] - at_s[from], longest_s), 2);
     for (std::size_t k = found.rows[from] + 1; k <= found.rows[from + 1]; ++k)

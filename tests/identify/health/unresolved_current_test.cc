@@ -68,6 +68,18 @@ TEST(UnresolvedCurrent, IsWhatValuesTooFarApartDoNotShow) {
   EXPECT_NEAR(found.charge_C, kWaver_A * std::sqrt(340.0), 0.25 * kWaver_A * std::sqrt(340.0));
 }
 
+// Hold backward a value is that of the time before it, and the first of none.
+TEST(UnresolvedCurrent, IsTheSameWhicheverWayValuesHold) {
+  Record seconds = Every(Fly(5), kPerSecond);
+  const UnresolvedCurrent forward = FindUnresolved(seconds, 1.0);
+  seconds.hold = Hold::kBackward;
+  const UnresolvedCurrent backward = FindUnresolved(seconds, 1.0);
+  EXPECT_EQ(forward.deviation_A, backward.deviation_A);
+  for (std::size_t k = 2; k < seconds.size(); ++k)
+    EXPECT_EQ(forward.flowed_A[k], backward.flowed_A[k - 1]) << k;
+  EXPECT_EQ(backward.flowed_A[0], seconds.current_A[0]);
+}
+
 // Of a hundred flights the charge that really flowed stays within what is said of it.
 TEST(UnresolvedCurrent, TheChargeIsKnownToItsDeviation) {
   double squares = 0.0;
