@@ -108,5 +108,29 @@ TEST(FlightModel, StepResistanceIsWhatAStepShows) {
               1e-12);
 }
 
+// r (1 - exp(-t/tau)) of each branch that is no slower than t, and its slopes; none of a slower one.
+TEST(FlightModel, BranchesThatSettleAreAPartOfTheStep) {
+  Case c;
+  constexpr double kFast_s = 0.05;
+  constexpr double kFast_Ohm = 0.002;
+  c.reference.cell.branches = {{Resistance<double>(kFast_Ohm), kFast_s, {}},
+                               {Resistance<double>(0.003), 30.0, {}}};
+  if (auto& term = c.reference.cell.temperature) term->branches_J_per_mol = {2e4, 2e4};
+  const FlightModel model(c.reference, c.record, c.among);
+  const Eigen::VectorXd x = Eigen::VectorXd::Zero(model.size());
+  const double at_once_Ohm = model.StepResistance(x, 0.6, 30.0, 0.0).resistance_Ohm;
+  constexpr double kSettle_s = 0.1;
+  const auto settled = model.StepResistance(x, 0.6, 30.0, kSettle_s);
+  const double left = std::exp(-kSettle_s / kFast_s);
+  EXPECT_NEAR(settled.resistance_Ohm - at_once_Ohm, kFast_Ohm * (1.0 - left), 1e-12);
+  EXPECT_NEAR(
+      settled.slope[U::kBranches] * settled.resistance_Ohm, kFast_Ohm * (1.0 - left), 1e-12);
+  EXPECT_NEAR(settled.slope[U::kTau] * settled.resistance_Ohm,
+              -kFast_Ohm * left * kSettle_s / kFast_s,
+              1e-12);
+  // A current that flows on makes diffusion and slow branches follow.
+  EXPECT_GT(model.GrowthOfDrop(x, 0.6, 30.0, 1.0), kFast_Ohm / at_once_Ohm);
+}
+
 }  // namespace
 }  // namespace lipoid::test
