@@ -32,9 +32,7 @@ class NoiseProblem final : public OptimizationProblem {
     // From the resolution of the fastest window to the length of the flight.
     const double length_s = std::max(20.0, time_s.back() - time_s.front());
     const double step_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size());
-    // However quiet a log, no cell model follows a cell to less than this: without it a flight without noise told of
-    // hundredths of a volt in v_oc(A), and was surely wrong.
-    low_ = Log({3e-4, 3e-4, 2.0 * step_s, 1e-3, 8.0});
+    low_ = Log({1e-4, 1e-5, 2.0 * step_s, 1e-5, 8.0});
     high_ = Log({0.5, 0.5, std::max(8.0, 4.0 * step_s), 0.5, std::max(10.0, 0.5 * length_s)});
   }
   [[nodiscard]] int size() const override { return 5; }
@@ -412,6 +410,28 @@ FlightFit FitFlight(const ReferenceCell& reference,
   FlightFit fit = search.Fit(found);
   WidenTo(ends, found, search, fit);
   return fit;
+}
+
+FittedFlight FitAsFlowed(const ReferenceCell& reference,
+                         FlightSamples& flight,
+                         const Surroundings& among,
+                         const SensorSpread& sensors) {
+  constexpr double kLeft = 0.5;
+  const auto fit_with = [&](const FlightSamples& samples) {
+    FittedFlight fitted{
+        std::make_unique<FlightModel>(reference, flight.record, among, samples.unresolved.flowed_A),
+        {}};
+    fitted.fit = FitFlight(reference, samples, *fitted.model, sensors);
+    return fitted;
+  };
+  FittedFlight fitted = fit_with(flight);
+  if (!flight.unresolved.any()) return fitted;
+  FlightSamples means = flight;
+  means.unresolved = {};
+  FittedFlight held = fit_with(means);
+  if (!(held.fit.mean_error_percent < kLeft * fitted.fit.mean_error_percent)) return fitted;
+  flight.unresolved = {};
+  return held;
 }
 
 }  // namespace lipoid

@@ -15,6 +15,7 @@
 /// tests/identify/health/coverage_test.cc.
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -48,9 +49,22 @@ struct FlightFit {
   double duration_s = 0.0;
 };
 
+/// What flowed is taken to be what flight.unresolved says, where it says any; the model knows the same.
 [[nodiscard]] FlightFit FitFlight(const ReferenceCell& reference,
                                   const FlightSamples& flight,
                                   const FlightModel& model,
                                   const SensorSpread& sensors);
+
+struct FittedFlight {
+  std::unique_ptr<FlightModel> model;  ///< of flight.record
+  FlightFit fit;
+};
+/// The same, unless the values of the current are means, which change as much as instants do that nobody followed, and
+/// each of which is what flowed: so taken they leave less than half of the error. Takes `unresolved` out of the flight
+/// in that case.
+[[nodiscard]] FittedFlight FitAsFlowed(const ReferenceCell& reference,
+                                       FlightSamples& flight,
+                                       const Surroundings& among,
+                                       const SensorSpread& sensors);
 
 }  // namespace lipoid

@@ -208,9 +208,6 @@ std::vector<Flying> Prepare(const Cell& cell,
     Flying& one = flying.emplace_back();
     one.loaded = loaded;
     one.samples = SampleFlight(loaded.log);
-    // What flowed between values of the current beside their mean is left to the noise here.
-    std::fill(
-        one.samples.unresolved.deviation_A.begin(), one.samples.unresolved.deviation_A.end(), 0.0);
     one.among = {.measured_degC = one.samples.record.temperature_degC,
                  .ambient_degC = loaded.entry.ambient_degC,
                  .initial_degC = loaded.entry.initial_degC};
@@ -221,6 +218,10 @@ std::vector<Flying> Prepare(const Cell& cell,
   ParallelFor(flying.size(), [&](std::size_t f) {
     Flying& one = flying[f];
     const ReferenceCell reference = SameCell(cell, one.temperature_known);
+    one.alone = FitAsFlowed(reference, one.samples, one.among, SensorSpread()).fit;
+    if (!one.samples.unresolved.any()) return;
+    // Here what flowed between values of the current beside their mean is left to the noise.
+    for (double& deviation_A : one.samples.unresolved.deviation_A) deviation_A = 0.0;
     const FlightModel model(
         reference, one.samples.record, one.among, one.samples.unresolved.flowed_A);
     one.alone = FitFlight(reference, one.samples, model, SensorSpread());

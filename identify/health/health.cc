@@ -322,7 +322,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
     one.record.temperature_degC =
         Column(one.record.size(), CelsiusOf(reference.cell.temperature->reference_K));
   }
-  const FlightSamples samples = SampleFlight(one);
+  FlightSamples samples = SampleFlight(one);
   const Record& record = samples.record;
 
   FlightHealth health;
@@ -339,8 +339,9 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
     of_warmth = kGuessedWarmth_K / std::sqrt(3.0) * reference.cell.temperature->series_J_per_mol /
                 (kGasConstant_J_per_mol_K * start_K * start_K);
   }
-  const FlightModel model(reference, record, among, samples.unresolved.flowed_A);
-  const FlightFit fit = FitFlight(reference, samples, model, options.sensors);
+  const FittedFlight fitted = FitAsFlowed(reference, samples, among, options.sensors);
+  const FlightModel& model = *fitted.model;
+  const FlightFit& fit = fitted.fit;
 
   health.converged = fit.converged;
   const Eigen::VectorXd& x = fit.unknowns;

@@ -10,7 +10,8 @@
 /// g(2) that of every other one: a current that is followed moves twice as far in two steps, and 2 g(1) - g(2) is what
 /// changes in between (the nugget of a straight variogram; Cressie, Statistics for Spatial Data, 1993, chapter 2). That
 /// part of what a value differs from its neighbours by is taken to have flowed on average as little above as below.
-/// What remains, independent from value to value, makes the charge walk away at random. Tests:
+/// What remains, independent from value to value, makes the charge walk away at random. Values that are means change as
+/// much, and each is what flowed: which of the two a log has the fit tells (FitAsFlowed). Tests:
 /// tests/identify/health/unresolved_current_test.cc, tests/identify/health/coverage_test.cc.
 
 #include <Eigen/Core>

@@ -153,7 +153,41 @@ TEST(HealthCoverage, IntervalsCoverTheTruthOfACalmHoverWithANoisyCurrentSensor) 
 // A row each second of gusts that last as long, twice as strong: the cell remembers what no row shows. As long as values
 // were taken to flow until the next, 9 of 15 intervals of the counted capacity of such a log missed.
 TEST(HealthCoverage, IntervalsCoverTheTruthOfALogOfOneRowASecond) {
-  ExpectCoverage(40, 9, {.unrest = 2.0, .update_s = 1.0});
+  ExpectCoverage(40, 9, {.unrest = 2.0, .update_s = 1.0, .least_share = 85});
+}
+
+// A sensor that shows the mean of each second: its values change as much as instants of a gusty flight, and each is what
+// flowed.
+TEST(HealthCoverage, MeansOfASecondAreWhatFlowed) {
+  std::mt19937_64 engine(11);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  Cell truth = WithTypicalTemperature(NewFlightCell());
+  truth.series = truth.parallel = 1;
+  const double one_C_A = truth.alpha_C() / 3600.0;
+  Log log;
+  Record& record = log.record;
+  record.file = "means";
+  double charge_C = 0.0;
+  for (int k = 0; charge_C < 0.7 * truth.alpha_C(); ++k) {
+    record.time_s.push_back(k);
+    record.current_A.push_back(k < 10 ? 0.0 : one_C_A * std::max(0.5, 5.0 + 2.5 * normal(engine)));
+    charge_C += record.current_A.back();
+  }
+  record.voltage_V =
+      Predict(truth, record.time_s, record.current_A, record.hold, 0.98, {.ambient_degC = 25.0})
+          .voltage_V;
+  for (double& voltage_V : record.voltage_V)
+    voltage_V = kSeries * voltage_V + 0.005 * normal(engine);
+  HealthOptions options;
+  options.series = kSeries;
+  options.ambient_degC = 25.0;
+  const HealthReport report = AssessHealth(NewFlightCell(), {log}, options);
+  ASSERT_EQ(report.flights.size(), 1U);
+  const FlightHealth& flight = report.flights[0];
+  EXPECT_LT(flight.mean_error_percent, 0.1);
+  EXPECT_LE(flight.counted_capacity_Ah.low, truth.alpha_C() / 3600.0);
+  EXPECT_GE(flight.counted_capacity_Ah.high, truth.alpha_C() / 3600.0);
+  EXPECT_LT(flight.counted_capacity_Ah.high / flight.counted_capacity_Ah.low, 1.2);
 }
 
 // One pack, one sensor, 60 flights in which it loses 30 % of its capacity and its resistance grows by
