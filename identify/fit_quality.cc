@@ -59,8 +59,9 @@ void CountTimes(const std::vector<ConstantCurrentErrors>& times, Judgement& judg
 // alpha is the charge down to the cut-off, by definition.
 void CountCutoff(const Cell& cell, Judgement& judgement) {
   const OpenCircuitVoltage& curve = cell.open_circuit_voltage;
-  constexpr double kReached_V =
-      0.15;  // above it on; v_oc(A) falls ever faster, so that its slope leads there too late
+  // From a last row up to so much above the cut-off the curve goes on with its slope. v_oc(A) falls ever faster, so
+  // that it is down there no later.
+  constexpr double kReached_V = 0.15;
   const auto& lowest = curve.below();
   const double above_V = lowest.value_V - cell.cutoff_V;
   if (!(above_V <= kReached_V)) return;

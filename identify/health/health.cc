@@ -113,7 +113,7 @@ void AddCautions(const FlightSamples& samples,
   constexpr double kWorthSaying = 0.005;  // of the charge
   if (samples.unresolved.charge_C > kWorthSaying * std::abs(fit.charge_C)) {
     cautions.push_back(fmt::format(
-        "the current changes faster than its values come, {:.2g} s apart: between them it is known to {:.2g} A and the "
+        "the current changes faster than its values come, {:.2g} s apart: between them it is known to {:.2g} A at worst and the "
         "charge to {:.2g} %, which the intervals hold; values that come more often, or that are means, tell more",
         samples.unresolved.between_s,
         samples.unresolved.most_A(),
