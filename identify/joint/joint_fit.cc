@@ -582,7 +582,15 @@ JointSolution JointFit::Search(const JointStructure& structure,
   if (coarse != structure && found.x.size() > 0)
     found = Approach(Solve(structure, found.rates, smoothness));
   constexpr double kRoughStep = 6e-3;  // of the logarithms of the rates
-  return structure.voltage_soc.empty() ? found : Polish(std::move(found), kRoughStep);
+  if (!structure.voltage_soc.empty()) return Polish(std::move(found), kRoughStep);
+  // Constants are tables, too: where they cost less, the search of the tables ended in another valley.
+  if (structure.nodes() == 1 || setup_.held) return found;
+  JointStructure constant = structure;
+  constant.resistance_soc = {0.5};
+  const JointSolution simple = Search(constant, smoothness, near, followed);
+  if (!(simple.cost < found.cost)) return found;
+  JointSolution other = Approach(Solve(structure, simple.rates, smoothness));
+  return other.cost < found.cost ? other : found;
 }
 
 // The cost has a kink wherever a row crosses a node of v_oc, and rows of short logs are few: with the

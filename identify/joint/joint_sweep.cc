@@ -67,14 +67,16 @@ void WalkLog(
   }
 }
 
-// Calls sink(log, point, row) for every point of every log, in their order.
+// Calls sink(log, point, row) for every point of every log: logs side by side, the points of one in their
+// order. Groups and units belong to one log each.
 template <class Sink>
 void VisitRows(const AtRates& sweep, Sink&& sink) {
-  for (std::size_t l = 0; l < sweep.logs.logs.size(); ++l) {
+  StopIfAsked();
+  ParallelFor(sweep.logs.logs.size(), [&](std::size_t l) {
     WalkLog(sweep, l, nullptr, CurveSlope::kOfSegments, [&](std::size_t k, const CellRow& row) {
       sink(l, k, row);
     });
-  }
+  });
 }
 
 // One sum per log, side by side, then all of them in the order of the logs: the same bits with any
@@ -174,13 +176,16 @@ SocTrace TraceSoc(const JointLogs& logs,
 std::vector<NormalEquations> SumGroups(const AtRates& sweep, const Grouping& by) {
   const JointLogs& logs = sweep.logs;
   const int n = JointLayout(sweep.structure).size();
-  std::vector<NormalEquations> sums(static_cast<std::size_t>(by.groups) + 1, NormalEquations(n));
+  const auto groups = static_cast<std::size_t>(by.groups);
+  std::vector<NormalEquations> sums(groups + logs.logs.size(), NormalEquations(n));
   VisitRows(sweep, [&](std::size_t l, std::size_t k, const CellRow& row) {
     const JointLog& log = logs.logs[l];
     const int of = (log.*by.of)[k];
-    const int group = of == JointLog::kAlways ? by.groups : of;
-    sums[static_cast<std::size_t>(group)].Add(log.weight[k], row);
+    const std::size_t group = of == JointLog::kAlways ? groups + l : static_cast<std::size_t>(of);
+    sums[group].Add(log.weight[k], row);
   });
+  for (std::size_t l = 1; l < logs.logs.size(); ++l) sums[groups].Add(sums[groups + l]);
+  sums.resize(groups + 1);
   return sums;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "identify/trust/trust.h"
 #include "model/core/parallel.h"
@@ -69,8 +70,11 @@ LeftOutErrors LeaveOut(const JointFit& fit,
   const auto total_of = [&](const std::vector<double>& units) {
     return std::accumulate(units.begin(), units.end(), 0.0) / weight;
   };
-  const auto fitted = SumErrors(sweep, logs.Pieces(), std::vector(held.without.size(), held.whole));
-  const auto errors = SumErrors(sweep, logs.Pieces(), held.without);
+  // One sweep for both: of what is left out, then of all rows.
+  std::vector<std::vector<Eigen::VectorXd>> unknowns = held.without;
+  for (auto& group : unknowns) group.insert(group.end(), held.whole.begin(), held.whole.end());
+  const auto errors = SumErrors(sweep, logs.Pieces(), unknowns);
+  const auto fitted = std::span(errors).subspan(ladder.size());
   const auto errors_of =
       [&](std::size_t s, const std::vector<double>& with, const std::vector<double>& without) {
         LeftOutErrors one{
