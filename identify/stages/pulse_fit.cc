@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "identify/fit/grid.h"
 #include "identify/stages/pulse_problem.h"
 
 namespace lipoid {
@@ -15,6 +16,38 @@ namespace {
 
 // Closer than this to zero, beside the typical series resistance, no data would tell the difference.
 constexpr double kNothing = 1e-6;
+
+// Without resistance one of several branches may have any time constant: the cost is flat along it, and no step
+// leads away, though at another one the branch may have a part in the answer. A single one was looked for at every
+// time constant already, before the starts were chosen. From the best of such: the fit that
+// costs less, or `found`.
+JointSolution WithGoneBranchesElsewhere(const JointFit& fit,
+                                        const GivenParameters& held,
+                                        const LevenbergMarquardtOptions& solver,
+                                        JointSolution found) {
+  constexpr int kTried = 16;
+  constexpr double kNoGain = 1e-6;  // what the sums of a single solution may be off by, and more
+  JointSolution best = found;
+  if (found.structure.branches < 2) return found;
+  for (const JointRate& rate : fit.Rates(found.structure)) {
+    const auto j = static_cast<std::size_t>(rate.index);
+    const bool of_branch = rate.name == fmt::format("tau_{}", j + 1);
+    if (!of_branch || found.x.size() == 0 || found.x[rate.index + 1] > 0.0 ||
+        held.Fixed(fmt::format("r_{}", j + 1)))
+      continue;
+    // Not at the ends, where a branch is one with r_s or with v_oc.
+    const std::vector<double> taus_s = GeometricGrid(rate.lower, rate.upper, kTried + 2);
+    for (auto tau_s = taus_s.begin() + 1; tau_s + 1 != taus_s.end(); ++tau_s) {
+      JointRates rates = found.rates;
+      rates.time_constant_s[j] = *tau_s;
+      JointSolution other = fit.Solve(found.structure, rates, 0.0);
+      if (other.cost >= 0.0 && other.cost < (1.0 - kNoGain) * best.cost) best = std::move(other);
+    }
+  }
+  if (!(best.cost < found.cost)) return found;
+  best = fit.Approach(std::move(best), solver);
+  return best.cost < found.cost ? best : found;
+}
 
 }  // namespace
 
@@ -71,6 +104,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   const auto fit_all_rows = [&](const GivenParameters& held) {
     const JointFit fit(sweep, held, scales);
     best = fit.Approach(std::move(best), solver);
+    best = WithGoneBranchesElsewhere(fit, held, solver, std::move(best));
     result.evaluations += fit.evaluations();
   };
   fit_all_rows(known);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "identify/stages/discharge_times.h"
+#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
 #include "model/statistics/factorizations.h"
@@ -16,7 +17,6 @@ namespace {
 
 using Kind = PulseVariable::Kind;
 
-constexpr double kLeastBeta = 1e-4;  // stands for the 0 of (4.61): 1/beta² is then three years
 // A branch of r_j = 0 follows the current at once: so does one of a nanosecond.
 constexpr double kLeastTau_s = 1e-9;
 
@@ -119,7 +119,7 @@ PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
          0,
          false,
          options.scale == ParameterScale::kMixed ? 1.0 : options.beta_start_per_sqrt_s,
-         kLeastBeta,
+         kLeastBeta_per_sqrt_s,  // stands for the 0 of (4.61)
          kLargestBeta});
   }
   add({"r_s", Kind::kSeriesResistance, 0, false, series});

@@ -135,6 +135,7 @@ class StagedRun {
           break;
         }
         case LogKind::kLowRate:
+          (void)StartOfDischarge(log.entry);
           if (&log == low_rate_)
             low_rate_discharge_ = FindLowRateDischarge(log.log.record, campaign_.capacity_Ah);
           break;

@@ -419,8 +419,10 @@ TEST(PulseFit, SaysWhatIsWrongWithWhatItIsTold) {
             "--fix r_s=-0.1: expected a resistance of at least 0 Ohm");
   EXPECT_EQ(message({.fixed = {{"r_s", std::nan("")}}}),
             "--fix r_s=nan: expected a resistance of at least 0 Ohm");
-  EXPECT_EQ(message({.fixed = {{"beta", 2.0}}}), "--fix beta=2: expected a number in (0, 1]");
-  EXPECT_EQ(message({.start = {{"beta", 0.0}}}), "--start beta=0: expected a number in (0, 1]");
+  EXPECT_EQ(message({.fixed = {{"beta", 2.0}}}),
+            "--fix beta=2: expected a number from 0.0001 to 1");
+  EXPECT_EQ(message({.start = {{"beta", 0.0}}}),
+            "--start beta=0: expected a number from 0.0001 to 1");
   EXPECT_EQ(message({.fixed = {{"tau_1", 0.0}}}),
             "--fix tau_1=0: expected a time constant above 0 s");
   EXPECT_EQ(message({.start = {{"tau_1", std::numeric_limits<double>::infinity()}}}),

@@ -11,6 +11,7 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
+#include "tests/support/load_error.h"
 #include "tests/support/paths.h"
 #include "tests/support/synthetic_campaign.h"
 
@@ -85,6 +86,21 @@ TEST(StagedRun, FindsEveryParameterWhenAlphaAndTheCurveAreGiven) {
   EXPECT_NEAR(cell.branches[0].resistance_Ohm.resistance_Ohm[0] / 0.03, 1.0, kExactRelative);
   EXPECT_NEAR(*cell.branches[0].capacitance_F / 1500.0, 1.0, kExactRelative);
   EXPECT_TRUE(result.pulses.at_bound.empty());
+}
+
+// The charge that left is no part of a cell that held none.
+TEST(StagedRun, RefusesADischargeFromEmpty) {
+  const Cell truth = Truth();
+  for (const double initial_soc : {0.0, -0.1}) {
+    LoadedLog low_rate = LowRate(truth);
+    low_rate.entry.initial_soc = initial_soc;
+    EXPECT_NE(
+        test::LoadErrorOf([&] {
+          (void)Identify({low_rate, Pulses(truth)}, {});
+        }).find("expected a discharge from a state of charge above 0, found an initial_soc of"),
+        std::string::npos)
+        << initial_soc;
+  }
 }
 
 TEST(StagedRun, FindsTheCellFromItsLogsAsWellAsTheMethodCan) {
@@ -361,6 +377,23 @@ TEST(StagedRun, TheWeightOfALogCountsInStage1) {
   const double without_C = Identify({logs[0], logs[1], logs[3], logs[4]}).alpha_C;
   EXPECT_NEAR(weighted_C / without_C, 1.0, 1e-5);
   EXPECT_GT(std::abs(even_C / without_C - 1.0), 1e-3);
+}
+
+// From every start of the search the second branch ends without resistance, where its time constant is nowhere and
+// no step leads on. At 9 s it has a part in the answer.
+TEST(StagedRun, LooksForABranchThatIsGoneAtEveryTimeConstant) {
+  const Campaign campaign =
+      ReadCampaign(test::SourcePath("fixtures/lab/dmegc_inr18650_26_r1/campaign.toml"));
+  const auto logs = LoadCampaign(campaign);
+  StagedOptions options;
+  options.pulses.branches = 2;
+  const auto fit = IdentifyStaged(campaign, logs, options).pulses;
+  StagedGiven given;
+  given.parameters.start["tau_2"] = 8.6;
+  const auto from_there = IdentifyStaged(campaign, logs, options, given).pulses;
+  EXPECT_NEAR(fit.errors.rmse, from_there.errors.rmse, 1e-9);
+  EXPECT_NEAR(fit.parameters.resistance_Ohm[0], 0.0078, 2e-4);
+  EXPECT_NEAR(fit.parameters.time_constant_s[0], 8.6, 0.1);
 }
 
 }  // namespace
