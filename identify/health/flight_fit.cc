@@ -21,6 +21,24 @@ namespace {
 
 using U = FlightUnknowns;
 
+// J'J + 1, J'r + x and r'r + x'x of columns [J r] and of what was believed of the unknowns x before: one product
+// of the columns with themselves.
+struct NormalOf {
+  Eigen::MatrixXd matrix;  // the lower triangle
+  Eigen::VectorXd score;
+  double squares = 0.0;
+
+  NormalOf(const Eigen::MatrixXd& columns, const Eigen::VectorXd& scaled)
+      : matrix(Eigen::MatrixXd::Zero(columns.cols(), columns.cols())) {
+    matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+    const Eigen::Index p = columns.cols() - 1;
+    score = matrix.row(p).head(p).transpose() + scaled;
+    squares = matrix(p, p) + scaled.squaredNorm();
+    matrix.conservativeResize(p, p);
+    matrix.diagonal().array() += 1.0;
+  }
+};
+
 // Minus the logarithm of the marginal likelihood of the noise whose logarithms are searched.
 class NoiseProblem final : public OptimizationProblem {
  public:
@@ -43,13 +61,9 @@ class NoiseProblem final : public OptimizationProblem {
   [[nodiscard]] double Cost(const Eigen::VectorXd& x) const override {
     Eigen::MatrixXd columns = columns_;
     const double log_determinant = NoiseOf(x).Whiten(time_s_, columns);
-    const auto p = columns.cols() - 1;
-    Eigen::MatrixXd normal = columns.leftCols(p).transpose() * columns.leftCols(p);
-    normal.diagonal().array() += 1.0;
-    const Eigen::VectorXd score = columns.leftCols(p).transpose() * columns.col(p) + scaled_;
-    const Eigen::LLT<Eigen::MatrixXd> factor(normal);
-    const double squares =
-        columns.col(p).squaredNorm() + scaled_.squaredNorm() - score.dot(factor.solve(score));
+    const NormalOf normal(columns, scaled_);
+    const Eigen::LLT<Eigen::MatrixXd> factor(normal.matrix);
+    const double squares = normal.squares - normal.score.dot(factor.solve(normal.score));
     const double log_normal = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
     return 0.5 * (squares + log_determinant + log_normal);
   }
@@ -275,11 +289,9 @@ void FlightSearch::LookForLag(const Eigen::MatrixXd& at_rows, double reach, Sear
     const double lag_s = std::clamp(from_s + reach * k * step_s, -kLargestLag_s, kLargestLag_s);
     Eigen::MatrixXd columns = problem_.InWindows(at_rows, lag_s);
     problem_.noise.Whiten(flight_.time_s, columns);
-    const auto n = columns.cols() - 1;
-    Eigen::MatrixXd normal = columns.leftCols(n).transpose() * columns.leftCols(n);
-    normal.diagonal().array() += 1.0;
-    const Eigen::VectorXd score = columns.leftCols(n).transpose() * columns.col(n) + at.scaled;
-    const double cost = columns.col(n).squaredNorm() - score.dot(SolvePositive(normal, score)) +
+    const NormalOf normal(columns, at.scaled);
+    const double cost = normal.squares -
+                        normal.score.dot(SolvePositive(normal.matrix, normal.score)) +
                         lag_s * lag_s / (sensors_.lag_s * sensors_.lag_s);
     if (cost < best) {
       best = cost;
