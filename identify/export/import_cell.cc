@@ -18,6 +18,7 @@
 #include "identify/logs/csv/cells.h"
 #include "identify/logs/plausibility.h"
 #include "model/battery/cell_parameters.h"
+#include "model/battery/ranges.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
@@ -142,8 +143,7 @@ constexpr Dialect kPybamm{
 
 // Keys that a circuit may have and that play no part in a cell at rest and at one temperature.
 const std::vector<std::string>& Ignored() {
-  static const std::vector<std::string> keys = {"num_RC_pairs",
-                                                "soc0",
+  static const std::vector<std::string> keys = {"soc0",
                                                 "ce",
                                                 "mass",
                                                 "isothermal",
@@ -177,6 +177,7 @@ ImportedCell FromCircuit(const Json& document,
                                     names.curve,
                                     "name",
                                     "cutoff_V",
+                                    "num_RC_pairs",
                                     "M_hyst",
                                     "gamma",
                                     "Diffusion time constant [s]",
@@ -192,7 +193,7 @@ ImportedCell FromCircuit(const Json& document,
   std::vector<std::string> ignored;
   for (const auto& [key, value] : document.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end())
-      json.At(key).FailWith(UnknownName("key", key, {known.begin(), known.begin() + 8}));
+      json.At(key).FailWith(UnknownName("key", key, {known.begin(), known.begin() + 9}));
     if (std::find(Ignored().begin(), Ignored().end(), key) != Ignored().end() ||
         key.starts_with("Element-"))
       ignored.push_back(key);
@@ -249,11 +250,20 @@ ImportedCell FromCircuit(const Json& document,
     }
     cell.branches.push_back(std::move(branch));
   }
+  if (const auto pairs = json.Find("num_RC_pairs")) {
+    const int said = pairs->Integer(0, kMostBranches);
+    const auto there = static_cast<int>(cell.branches.size());
+    if (said != there)
+      pairs->FailWith(fmt::format(
+          "expected the number of the branches that stand here, {}, found {}", there, said));
+  }
   if (const auto diffusion = json.Find("Diffusion time constant [s]")) {
     // z_t = z_xx/tau_D over 0 .. 1 is the diffusion of the cell with tau_D = pi²/beta².
     const double beta = std::numbers::pi / std::sqrt(diffusion->Number(kLeast, kInfinity));
     if (beta > 1.0)
       diffusion->Fail("a time constant of at least 9.87 s, where beta is 1 per sqrt s");
+    if (beta < kLeastBeta_per_sqrt_s)
+      diffusion->Fail("a time constant of at most 9.8e8 s, where beta is 0.0001 per sqrt s");
     cell.diffusion = Cell::Diffusion{.alpha_C = 3600.0 * cell.capacity_Ah, .beta_per_sqrt_s = beta};
   }
   const auto cutoff = json.Find(pybamm ? "Lower voltage cut-off [V]" : "cutoff_V");

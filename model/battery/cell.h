@@ -23,7 +23,7 @@ namespace lipoid {
 struct Cell {
   struct Diffusion {
     double alpha_C = 0.0;          ///< charge from A = 1 to A = 0 at vanishing rate, > 0
-    double beta_per_sqrt_s = 0.0;  ///< in (0, 1]
+    double beta_per_sqrt_s = 0.0;  ///< in [kLeastBeta_per_sqrt_s, 1]
     int terms = kUsualModes;       ///< M in (4.46), 0 .. 1000
     bool tail = kUsualTail;        ///< quasi-static share of the modes beyond M
 

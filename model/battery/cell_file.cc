@@ -387,11 +387,11 @@ Cell ParseCell(const std::string& text, const std::string& file) {
   cell.cutoff_V = json.At("cutoff_V").Number(0.0, kMostOfACell);
   if (const auto diffusion = json.At("diffusion"); !diffusion.IsNull()) {
     diffusion.OnlyKeys({"alpha_C", "beta_per_sqrt_s", "terms", "tail"});
-    cell.diffusion =
-        Cell::Diffusion{.alpha_C = diffusion.At("alpha_C").Number(kLeast, kMostOfACell),
-                        .beta_per_sqrt_s = diffusion.At("beta_per_sqrt_s").Number(kLeast, 1.0),
-                        .terms = Within(diffusion.At("terms"), kModeNumbers),
-                        .tail = diffusion.At("tail").Boolean()};
+    cell.diffusion = Cell::Diffusion{
+        .alpha_C = diffusion.At("alpha_C").Number(kLeast, kMostOfACell),
+        .beta_per_sqrt_s = diffusion.At("beta_per_sqrt_s").Number(kLeastBeta_per_sqrt_s, 1.0),
+        .terms = Within(diffusion.At("terms"), kModeNumbers),
+        .tail = diffusion.At("tail").Boolean()};
   }
   const auto curve = json.At("open_circuit_voltage");
   cell.open_circuit_voltage = ReadCurve(curve);

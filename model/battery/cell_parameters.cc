@@ -9,6 +9,7 @@
 #include <limits>
 #include <set>
 
+#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
 
@@ -97,7 +98,14 @@ const std::array kRows{
           return cell.diffusion ? std::optional(cell.diffusion->alpha_C) : std::nullopt;
         },
         [](Cell& cell, std::size_t, double value) { cell.diffusion->alpha_C = value; }},
-    Row{{"beta", "s^-1/2", "a number in (0, 1]", false, false, 1.0},
+    Row{{"beta",
+         "s^-1/2",
+         "a number from 0.0001 to 1",
+         false,
+         false,
+         1.0,
+         false,
+         kLeastBeta_per_sqrt_s},
         [](const Cell& cell, std::size_t) {
           return cell.diffusion ? std::optional(cell.diffusion->beta_per_sqrt_s) : std::nullopt;
         },
@@ -323,7 +331,8 @@ void SetNode(Cell& cell, std::string_view name, const NodeName& node, double val
 
 bool CellParameterKind::Holds(double value) const {
   if (any_sign) return std::isfinite(value);
-  return std::isfinite(value) && (zero ? value >= 0.0 : value > 0.0) && value <= upper;
+  return std::isfinite(value) && (zero ? value >= 0.0 : value > 0.0) && value >= lower &&
+         value <= upper;
 }
 
 double SeriesAndBranches(const Cell& cell, double soc) {

@@ -29,6 +29,7 @@ struct CellParameterKind {
   bool zero = false;          ///< the value may be 0; it is never less
   double upper = std::numeric_limits<double>::infinity();  ///< the largest value it may have
   bool any_sign = false;                                   ///< the value may be less than 0
+  double lower = 0.0;                                      ///< the least, where that is above 0
 
   /// Finite and within the range.
   [[nodiscard]] bool Holds(double value) const;

@@ -97,11 +97,12 @@ Json CellSchema() {
   branch["oneOf"] = {
       {{"required", {"capacitance_F"}}, {"properties", {{"resistance_Ohm", {{"type", "number"}}}}}},
       {{"required", {"time_constant_s"}}}};
-  Json diffusion = Strict(
-      {{"alpha_C", Above(0.0)},
-       {"beta_per_sqrt_s", {{"type", "number"}, {"exclusiveMinimum", 0.0}, {"maximum", 1.0}}},
-       {"terms", Whole(kModeNumbers)},
-       {"tail", Boolean()}});
+  Json diffusion =
+      Strict({{"alpha_C", Above(0.0)},
+              {"beta_per_sqrt_s",
+               {{"type", "number"}, {"minimum", kLeastBeta_per_sqrt_s}, {"maximum", 1.0}}},
+              {"terms", Whole(kModeNumbers)},
+              {"tail", Boolean()}});
   diffusion["type"] = {"object", "null"};
   Json properties = {
       {"schema", Constant(kCellSchema)},

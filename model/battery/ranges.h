@@ -13,6 +13,9 @@ inline constexpr int kUsualModes = 10;
 /// Whether the modes beyond M count by their steady value; the thesis leaves them out.
 inline constexpr bool kUsualTail = true;
 
+/// Of beta: the slowest mode then takes three years. With less the tail alone passes any charge.
+inline constexpr double kLeastBeta_per_sqrt_s = 1e-4;
+
 /// Temperatures of a cell and of its surroundings.
 inline constexpr Range kTemperatures_degC{-60.0, 150.0};
 /// Of the air that something flies in: 77 is degF.

@@ -8,7 +8,10 @@
 ///   forward    the current of row k flows until row k+1, the thesis' (4.46)
 ///
 /// The state after row k is that at t[k]; the voltage of row k is the one at t[k] with the current
-/// of row k. Rows may come in any number of pieces: the stepper remembers the last one. Tests:
+/// of row k. Rows may come in any number of pieces: the stepper remembers the last one.
+///
+/// A step of the cell takes r_j and the heat at its beginning. Where one row takes more than a twentieth of
+/// the charge, as in a log that has rows where the current changes alone, it is walked in parts. Tests:
 /// tests/model/battery/record_stepper_test.cc.
 
 #include <array>
@@ -72,7 +75,13 @@ class RecordStepper {
   using State = typename CellModel<T>::State;
 
   RecordStepper(const CellModel<T>& model, Hold hold, State initial)
-      : model_(model), hold_(hold), state_(std::move(initial)) {}
+      : model_(model), hold_(hold), state_(std::move(initial)) {
+    const CellParameters<T>& cell = model.parameters();
+    bool changes = cell.temperature.has_value();
+    for (const auto& branch : cell.branches) changes = changes || !branch.resistance_Ohm.constant();
+    if (changes && ScalarPart(cell.alpha_C) > 0.0)
+      longest_step_C_ = kLongestStep * ScalarPart(cell.alpha_C);
+  }
 
   /// Moves to the next row; time_s must exceed that of the row before.
   void Row(double time_s, const T& current_A) {
@@ -82,7 +91,9 @@ class RecordStepper {
         Require(false, "time strictly increasing", {{"time_s", time_s}, {"before", time_s_}});
       }
       const T& flowed_A = hold_ == Hold::kBackward ? current_A : current_A_;
-      if (model_.parameters().temperature) {  // hardly any two rows share it
+      if (std::abs(ScalarPart(flowed_A)) * dt_s > longest_step_C_) {
+        WalkInParts(flowed_A, dt_s);
+      } else if (model_.parameters().temperature) {  // hardly any two rows share it
         model_.MakeStep(dt_s, state_.temperature_K, of_row_);
         model_.Advance(state_, flowed_A, of_row_);
       } else {
@@ -111,6 +122,21 @@ class RecordStepper {
   [[nodiscard]] T Voltage(const T& soc) const { return model_.Voltage(state_, soc, current_A_); }
 
  private:
+  static constexpr double kLongestStep = 0.05;   // of the charge
+  static constexpr double kPart = 0.0025;        // of the charge, where a row takes more
+  static constexpr double kMostParts = 100'000;  // a row of absurd charge is no reason to hang
+
+  void WalkInParts(const T& flowed_A, double dt_s) {
+    const double part_C = longest_step_C_ * (kPart / kLongestStep);
+    const double parts =
+        std::min(std::ceil(std::abs(ScalarPart(flowed_A)) * dt_s / part_C), kMostParts);
+    const double part_s = dt_s / parts;
+    for (double part = 0.0; part < parts; part += 1.0) {
+      model_.Prepare(of_row_, part_s, state_);
+      model_.Advance(state_, flowed_A, of_row_);
+    }
+  }
+
   const CellModel<T>& model_;
   Hold hold_;
   State state_;
@@ -119,6 +145,7 @@ class RecordStepper {
   bool started_ = false;
   double time_s_ = 0.0;
   T current_A_ = T(0.0);
+  double longest_step_C_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace lipoid

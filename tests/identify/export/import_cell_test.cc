@@ -236,6 +236,9 @@ TEST(ImportCell, RefusesWhatIsNoBatteryWithLineAndColumn) {
       "{\"capacity\": 1, \"ocv\": {\"soc\": [0, 1], \"voltage_V\": [3, 4]},\n";
   EXPECT_NE(MessageOf(circuit + "\"R0\": 0.1, \"R_0\": 1}").find("unknown key 'R_0'"),
             std::string::npos);
+  EXPECT_NE(MessageOf(circuit + "\"R0\": 0.1, \"R1\": 0.1, \"C1\": 9, \"num_RC_pairs\": 2}")
+                .find("expected the number of the branches that stand here, 1, found 2"),
+            std::string::npos);
   EXPECT_NE(MessageOf(circuit + "\"R0\": -0.1}").find("f:2:7: error: /R0: expected"),
             std::string::npos)
       << MessageOf(circuit + "\"R0\": -0.1}");

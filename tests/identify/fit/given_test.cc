@@ -40,7 +40,8 @@ TEST(Given, WhatNoCellMayHaveIsRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(ErrorOf({.fixed = {{"r_s", -1.0}}}),
             "--fix r_s=-1: expected a resistance of at least 0 Ohm");
-  EXPECT_EQ(ErrorOf({.fixed = {{"beta", 5.0}}}), "--fix beta=5: expected a number in (0, 1]");
+  EXPECT_EQ(ErrorOf({.fixed = {{"beta", 5.0}}}),
+            "--fix beta=5: expected a number from 0.0001 to 1");
   EXPECT_EQ(ErrorOf({.start = {{"c_1", 0.0}}}), "--start c_1=0: expected a capacitance above 0 F");
   EXPECT_EQ(ErrorOf({.start = {{"tau_1", nan}}}),
             "--start tau_1=nan: expected a time constant above 0 s");

@@ -386,7 +386,8 @@ TEST(JointRun, RefusesWhatNoCellCanHave) {
             "tau_2, c_1, c_2");
   EXPECT_EQ(OptionErrorOf({.fixed = {{"r_s", -1.0}}}),
             "--fix r_s=-1: expected a resistance of at least 0 Ohm");
-  EXPECT_EQ(OptionErrorOf({.fixed = {{"beta", 5.0}}}), "--fix beta=5: expected a number in (0, 1]");
+  EXPECT_EQ(OptionErrorOf({.fixed = {{"beta", 5.0}}}),
+            "--fix beta=5: expected a number from 0.0001 to 1");
   EXPECT_EQ(OptionErrorOf({.bounds = {{"tau_2", {1.0, 10.0}}}}),
             "--bounds: no parameter 'tau_2' in this fit; there are beta, r_s, r_1, tau_1, c_1");
   EXPECT_EQ(OptionErrorOf({.bounds = {{"tau_1", {10.0, 1.0}}}}),

@@ -334,12 +334,13 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "found 10000000000000.0"},
       {"0.1924",
        "0",
-       "10:24: error: /diffusion/beta_per_sqrt_s: expected a number above 0 and at most 1, found "
-       "0"},
+       "10:24: error: /diffusion/beta_per_sqrt_s: expected a number from 0.0001 to 1, found 0"},
+      {"0.1924",
+       "1e-300",
+       "10:24: error: /diffusion/beta_per_sqrt_s: expected a number from 0.0001 to 1, found 1e-300"},
       {"0.1924",
        "1.5",
-       "10:24: error: /diffusion/beta_per_sqrt_s: expected a number above 0 and at most 1, found "
-       "1.5"},
+       "10:24: error: /diffusion/beta_per_sqrt_s: expected a number from 0.0001 to 1, found 1.5"},
       {"\"terms\": 12",
        "\"terms\": -1",
        "11:14: error: /diffusion/terms: expected a whole number from 0 to 1000, found -1"},

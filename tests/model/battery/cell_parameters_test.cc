@@ -237,7 +237,8 @@ TEST(CellParameters, HysteresisAndHeatAreTermsOfTwoNumbers) {
 
 TEST(CellParameters, WhatCannotBeIsRefused) {
   const Cell cell = LoadCell("gifi-600mAh-1");
-  EXPECT_EQ(OptionErrorOf(cell, "beta", 1.5), "beta: expected a number in (0, 1], found 1.5");
+  EXPECT_EQ(OptionErrorOf(cell, "beta", 1.5),
+            "beta: expected a number from 0.0001 to 1, found 1.5");
   EXPECT_EQ(OptionErrorOf(cell, "alpha", 0.0), "alpha: expected a charge above 0 C, found 0");
   EXPECT_EQ(OptionErrorOf(cell, "r_s", -1.0),
             "r_s: expected a resistance of at least 0 Ohm, found -1");
