@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "model/battery/curve_range.h"
+#include "model/export/provenance.h"
 
 namespace lipoid {
 namespace {
@@ -28,12 +29,23 @@ Json ErrorJson(const std::optional<ExportChargeError>& error) {
 
 }  // namespace
 
+ExportKind KindOfExport(const ExportTarget& target,
+                        const ExportRequest& request,
+                        const Exported& exported) {
+  const std::string kind(options_internal::ToText(target.kind));
+  const std::string without = WithoutWhatNoTargetHolds(request);
+  const bool less = !without.empty() || !exported.cannot_hold.empty();
+  if (target.kind != TargetKind::kExact || !less) return {kind, kind};
+  return {"the cell's own law" + (without.empty() ? ", but for what it cannot hold" : without),
+          "incomplete"};
+}
+
 Json ExportToJson(const ExportTarget& target,
                   const ExportRequest& request,
                   const Exported& exported) {
   Json summary;
   summary["target"] = target.name;
-  summary["kind"] = options_internal::ToText(target.kind);
+  summary["kind"] = KindOfExport(target, request, exported).key;
   const auto versions = target.Versions();
   summary["target_version"] = !request.target_version.empty() ? Json(request.target_version)
                               : versions.empty()              ? Json(nullptr)

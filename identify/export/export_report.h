@@ -16,6 +16,16 @@ namespace lipoid {
                                 const ExportRequest& request,
                                 const Exported& exported);
 
+/// What the law of this file is to the cell's: that of its target (TargetKind), but for an exact one that leaves
+/// something out. The first is for people, the second, "incomplete" in this case, the key `kind`.
+struct ExportKind {
+  std::string words;
+  std::string key;
+};
+[[nodiscard]] ExportKind KindOfExport(const ExportTarget& target,
+                                      const ExportRequest& request,
+                                      const Exported& exported);
+
 /// "beside it, with its stem": dir/frame.json and ".parm" are dir/frame.parm.
 [[nodiscard]] std::string FileBeside(const std::string& output, const std::string& suffix);
 

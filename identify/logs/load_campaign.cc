@@ -105,6 +105,14 @@ void RefuseOverfull(const Campaign& campaign,
   const double charged_Ah = -moved.least_C / 3600.0;
   const double beyond = entry.initial_soc + charged_Ah / campaign.capacity_Ah - 1.0;
   if (beyond <= kMostBeyondFull) return;
+  if (entry.initial_soc > 1.0 + kMostBeyondFull) {
+    throw LoadError(
+        {record.file},
+        fmt::format(
+            "expected pulses of a cell that is full at most, found a start at a state of charge "
+            "of {:.4g}; say where the log starts (`initial_soc`)",
+            entry.initial_soc));
+  }
   throw LoadError(
       {record.file},
       fmt::format(

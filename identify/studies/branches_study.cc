@@ -77,6 +77,12 @@ StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress
         "option --branches: this study fits 0 to {} branches, one after the other; leave it out",
         kMostBranches));
   }
+  if (input.given.parameters.NamesABranch()) {
+    throw OptionError(fmt::format(
+        "--fix, --start, --bounds: this study fits 0 to {} branches, one after the other, and no branch is in all of "
+        "them; say beta or r_s, or fit with one number of branches: lipoid identify --method staged --branches N",
+        kMostBranches));
+  }
   progress("stages before", 0.0);
   const PulseStudy study(input);
   const auto sweep = study.Sweep(input.options.pulses.terms, input.options.pulses.tail);

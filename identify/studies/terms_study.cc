@@ -90,6 +90,11 @@ StudyResult StudyTerms(const StudyInput& input, const StudyProgress& progress) {
   result.remarks.push_back(fmt::format(
       "beta and r_s are off by what they differ from the fit with {} terms and the tail",
       kTerms[std::size(kTerms) - 1]));
+  if (std::count(best.fixed.begin(), best.fixed.end(), "beta") > 0) {
+    result.remarks.push_back(
+        fmt::format("beta is held at {:.4g} s^-1/2 in every fit: that it is off by 0 says nothing",
+                    reference.beta_per_sqrt_s));
+  }
   if (std::count(best.at_bound.begin(), best.at_bound.end(), "beta") > 0) {
     result.remarks.push_back(fmt::format(
         "beta is at its bound of {:.4g} s^-1/2 in the fit that the others are compared with: these "

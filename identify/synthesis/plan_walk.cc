@@ -10,7 +10,7 @@
 namespace lipoid {
 namespace {
 
-// The lengths of whole rows next to one that is none, as "a pulse_s of 28 or 35 s in place of 30 s"; ""
+// The lengths of whole rows next to one that is none, as "pulses of 28 or 35 s in place of 30 s"; ""
 // where it is one.
 std::string WholeRowsInPlaceOf(const TestStage& stage, const DecimalStep& sampling) {
   const double length_s = stage.length_s;
@@ -18,8 +18,8 @@ std::string WholeRowsInPlaceOf(const TestStage& stage, const DecimalStep& sampli
   const double nearest_s = sampling.Times(rows);
   if (std::abs(nearest_s - length_s) <= 1e-9 && (rows > 0 || length_s == 0.0)) return "";
   const auto below = nearest_s > length_s ? rows - 1 : rows;
-  return fmt::format("a {} of {}{} s in place of {} s",
-                     stage.current_A == 0.0 ? "rest_s" : "pulse_s",
+  return fmt::format("{} of {}{} s in place of {} s",
+                     stage.current_A == 0.0 ? "rests" : "pulses",
                      below > 0 ? fmt::format("{} or ", sampling.Times(below)) : "",
                      sampling.Times(below + 1),
                      length_s);
@@ -34,7 +34,7 @@ std::string WhyNoPulses(const Cell& cell, const TestPlan& plan, const DecimalSte
       lengths.push_back(std::move(fits));
   }
   if (!lengths.empty()) {
-    return fmt::format("expected pulses and rests that are multiples of sampling_s, {} s; take {}",
+    return fmt::format("expected pulses and rests of whole rows, one every {} s; take {}",
                        sampling.Times(1),
                        fmt::join(lengths, ", and "));
   }
@@ -44,7 +44,7 @@ std::string WhyNoPulses(const Cell& cell, const TestPlan& plan, const DecimalSte
   });
   if (!rests) {
     return fmt::format(
-        "expected rests of at least {} rows between the pulses; give a rest_s of at least {} s",
+        "expected rests of at least {} rows between the pulses; take rests of at least {} s",
         kRestRows,
         rest_s);
   }
@@ -60,7 +60,7 @@ std::string WhyNoPulses(const Cell& cell, const TestPlan& plan, const DecimalSte
   if (end_s >= sampling.Times(sampling.Count(pulse.length_s + rest_s))) return "";
   return fmt::format(
       "{}: a pulse of {:g} s at {:.4g} A empties the cell after {:g} s, before any rest, and "
-      "identify takes no such log for pulses; give a shorter pulse_s or a lower rate",
+      "identify takes no such log for pulses; take shorter pulses or a lower rate",
       plan.file,
       pulse.length_s,
       pulse.current_A,

@@ -25,8 +25,10 @@ std::string Within(const QuantityTrust& quantity) {
 // The same experiment twice would be two rows of one.
 void RefuseCopies(const char* name, const std::vector<double>& values) {
   for (auto value = values.begin(); value != values.end(); ++value) {
-    if (std::find(values.begin(), value, *value) != value)
-      throw OptionError(fmt::format("option {}: {} stands there twice", name, *value));
+    if (std::find(values.begin(), value, *value) == value) continue;
+    std::string option = name;
+    std::replace(option.begin(), option.end(), '_', '-');
+    throw OptionError(fmt::format("option --{}: {} stands there twice", option, *value));
   }
 }
 

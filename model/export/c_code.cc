@@ -134,11 +134,12 @@ Exported ExportC(const ExportRequest& request) {
   exported.notes = folded.notes;
   exported.notes.push_back(fmt::format(
       "Numbers are {}; the law is the cell's own{}, and each step is exact for a current that is "
-      "constant over it.",
+      "constant over it{}.",
       !single         ? "double"
       : request.whole ? "float"
                       : "float, whose rounding is the error",
-      WithoutWhatNoTargetHolds(request)));
+      WithoutWhatNoTargetHolds(request),
+      ButForTables(cell)));
 
   if (name != identifier) {
     exported.notes.push_back(

@@ -403,9 +403,15 @@ std::string Identifier(std::string_view name) {
     const bool fits = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
     text += fits ? c : '_';
   }
-  if (text.empty() || !((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z'))) {
+  // What MATLAB takes for a word of its own; Python and C share most of them.
+  constexpr std::string_view kReserved[] = {
+      "break",      "case",   "catch",    "classdef", "continue", "else",      "elseif",
+      "end",        "for",    "function", "global",   "if",       "otherwise", "parfor",
+      "persistent", "return", "spmd",     "switch",   "try",      "while"};
+  const bool letter =
+      !text.empty() && ((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z'));
+  if (!letter || std::find(std::begin(kReserved), std::end(kReserved), text) != std::end(kReserved))
     text = "cell_" + text;
-  }
   return text.substr(0, kMostLetters);
 }
 

@@ -64,6 +64,15 @@ std::string WithoutWhatNoTargetHolds(const ExportRequest& request) {
                      request.whole->hysteresis ? "hysteresis" : "");
 }
 
+std::string ButForTables(const Cell& cell) {
+  for (const auto& branch : cell.branches) {
+    if (branch.resistance_Ohm.constant()) continue;
+    return ", but that a branch has the resistance of the step's beginning, which is a table over the state of "
+           "charge: steps that take under a hundredth of the charge keep it right";
+  }
+  return "";
+}
+
 std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exported& exported) {
   std::vector<std::string> lines;
   lines.push_back(fmt::format(

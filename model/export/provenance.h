@@ -24,6 +24,9 @@ namespace lipoid {
 /// where the cell has neither.
 [[nodiscard]] std::string WithoutWhatNoTargetHolds(const ExportRequest& request);
 
+/// ", but that ...": how a step of the cell's own law depends on its length; "" where it does not.
+[[nodiscard]] std::string ButForTables(const Cell& cell);
+
 /// The lines, without comment signs; text that came from elsewhere is escaped and shortened, and no
 /// line has a character that could end a comment (a line break, "*/", "-->", "#}"). `exported` has
 /// everything but its files.

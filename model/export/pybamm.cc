@@ -276,17 +276,24 @@ Exported ExportPybamm(const ExportRequest& request) {
   if (cell.self_heating || (tables && cell.diffusion))
     cell = ProjectedOverBulk(cell, request.mission);
   if (cell.diffusion) {
-    exported.notes.push_back(fmt::format(
-        "The diffusion element is the cell's own law on a mesh of {} points, which var_pts() asks "
-        "for; the error is that of the mesh and falls with the square of its points. PyBaMM's "
-        "default of 20 leaves millivolts.",
-        kPybammPoints));
     if (!cell.diffusion->tail) {
       exported.cannot_hold.push_back(fmt::format(
           "A diffusion that ends after {} modes: the element has all of them, so that its voltage is "
           "lower under load.",
           cell.diffusion->terms));
+    } else if (cell.diffusion->terms < kUsualModes) {
+      exported.cannot_hold.push_back(fmt::format(
+          "A diffusion of {} modes whose tail follows the current at once: the element takes its time for all "
+          "of them, so that its voltage is higher after a step.",
+          cell.diffusion->terms));
     }
+    exported.notes.push_back(fmt::format(
+        "The diffusion element is the cell's own law on a mesh of {} points, which var_pts() asks "
+        "for; {} falls with the square of its points. PyBaMM's "
+        "default of 20 leaves millivolts.",
+        kPybammPoints,
+        exported.cannot_hold.empty() ? "the error is that of the mesh and"
+                                     : "what the mesh adds to the error of what it cannot hold"));
   }
   exported.notes.emplace_back(
       "The law is that of one cell: divide a pack's current by PARALLEL, multiply volts by SERIES. "

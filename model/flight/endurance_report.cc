@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -247,6 +248,30 @@ std::vector<std::string> EnduranceSentences(const EnduranceRequest& request,
   return sentences;
 }
 
+namespace {
+
+// A value that is drawn beyond its range is put to the end of it; where many are, the interval is one of the range.
+std::string DoubtAboutDraws(EnduranceRequest request, const EnduranceVariable& variable) {
+  constexpr double kMany = 0.05;
+  const Uncertain number = variable.of(request);
+  if (number.known()) return "";
+  const Range valid{variable.valid.lo * variable.unit, variable.valid.hi * variable.unit};
+  const auto beyond = [&](double by) {
+    return 0.5 * std::erfc(by / number.standard_error / std::numbers::sqrt2);
+  };
+  const double share = beyond(number.value - valid.lo) + beyond(valid.hi - number.value);
+  if (!(share > kMany)) return "";
+  return fmt::format(
+      "{:.0f} % of the values of {} drawn lie beyond {:g} to {:g}, and are put to the ends of that range: the "
+      "intervals are those of what is left; give a smaller standard error",
+      100.0 * share,
+      variable.name,
+      variable.valid.lo,
+      variable.valid.hi);
+}
+
+}  // namespace
+
 std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
                                          const EnduranceAnswer& answer) {
   std::vector<std::string> doubts;
@@ -262,6 +287,8 @@ std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
         "no intervals: {} does not say how uncertain it is, and no value was given as X+-SE",
         request.cell.name));
   }
+  for (const EnduranceVariable& variable : EnduranceVariables())
+    add(DoubtAboutDraws(request, variable));
   if (request.ambient_degC) {
     const double degC = request.ambient_degC->value;
     add(DoubtAboutTemperature(request.cell, degC, degC));

@@ -133,6 +133,12 @@ void Check(const EnduranceRequest& request) {
   CheckRange("reserve", request.reserve, kReserves);
   if (request.airspeed_m_per_s)
     CheckRange("airspeed in m/s", *request.airspeed_m_per_s, kAirspeeds_m_per_s);
+  constexpr double kShortest_s = 1e-4;
+  if (request.options.step_s > 0.0 && request.options.step_s < kShortest_s) {
+    throw OptionError(fmt::format("step_s: expected 0 or a step of at least {:g} s, found {:g}",
+                                  kShortest_s,
+                                  request.options.step_s));
+  }
   if (request.ensemble < 0 || request.ensemble == 1) {
     throw OptionError(
         fmt::format("ensemble: expected at least 2 flights, or 0 for no intervals, found {}",

@@ -73,7 +73,7 @@ class Simulation:
         if self._open_circuit_V is not None:
             return self._open_circuit_V
         flat, _ = self.cell._core.open_circuit_voltage(np.ascontiguousarray(self.soc.ravel()))
-        return cast(FloatArray, flat.reshape(self.soc.shape))
+        return np.array(flat).reshape(self.soc.shape)
 
     def to_pandas(self) -> pd.DataFrame:
         """Return the columns of one current as a data frame, of the rows before the cut-off."""
@@ -96,7 +96,7 @@ class Simulation:
 
     def __repr__(self) -> str:
         shape = " x ".join(str(n) for n in self.voltage_V.shape)
-        text = f"Simulation({self.cell.name!r}: {shape} rows"
+        text = f"Simulation({self.cell.name!r}: {shape} row{'' if shape == '1' else 's'}"
         if before := int(np.sum(self.rows)):
             if before != self.voltage_V.size:
                 text += f", {before} before the cut-off"
@@ -226,7 +226,7 @@ class Cell:
         given = present("soc", soc, "states of charge")
         flat, doubt = self._core.open_circuit_voltage(column(np.ravel(given), "soc"))
         self._tell(doubt)
-        return cast(FloatArray, flat.reshape(np.shape(given)))
+        return np.array(flat).reshape(np.shape(given))
 
     def simulate(
         self,
@@ -296,7 +296,8 @@ class Cell:
         )
         self._tell_of_cutoff(np.atleast_2d(i), before, cutoff_s)
         self._tell(*doubts)
-        return Simulation(t, i, voltage_V, soc, outside, self, warm, rest_V)
+        # What the caller does to his arrays afterwards is not what flowed.
+        return Simulation(np.array(t), np.array(i), voltage_V, soc, outside, self, warm, rest_V)
 
     def _tell_of_cutoff(
         self, current_A: FloatArray, before: list[int], cutoff_s: list[float]
@@ -359,7 +360,7 @@ class Cell:
         )
         self._tell_of_cutoff(np.atleast_2d(i), [before], [cutoff_s])
         self._tell(*of_curve, *of_draws)
-        return low_V, high_V
+        return np.array(low_V), np.array(high_V)
 
     def _driven(
         self,

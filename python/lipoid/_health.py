@@ -56,7 +56,8 @@ class Health(Reportable):
         return pd.DataFrame(rows)
 
     def __repr__(self) -> str:
-        return f"Health({len(self.summary['flights'])} flights: {self.sentence})"
+        count = len(self.summary["flights"])
+        return f"Health({count} flight{'' if count == 1 else 's'}: {self.sentence})"
 
     def _repr_html_(self) -> str:
         html: str = self.flights.to_html(float_format=lambda x: f"{x:.5g}")

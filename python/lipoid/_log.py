@@ -88,6 +88,8 @@ def column(values: Any, name: str, dimensions: tuple[int, ...] = (1,)) -> FloatA
         if array.dtype.kind == "M" and array.size:
             array = array - array[0]
         if array.dtype.kind == "m":
+            if np.datetime_data(array.dtype)[0] in {"M", "Y"}:
+                raise OptionError(f"{name}: expected times of a fixed length, found {array.dtype}")
             array = array / np.timedelta64(1, "s")
     if array.dtype.kind == "O" and not any(isinstance(one, (str, bool)) for one in array.flat):
         with suppress(TypeError, ValueError):

@@ -24,6 +24,7 @@
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
+#include "model/core/run_record.h"
 #include "model/core/special_values.h"
 #include "model/core/stop.h"
 #include "model/statistics/interval_95.h"
@@ -328,7 +329,11 @@ void AddCells(nb::module_& module) {
       });
   module.def(
       "load_cell",
-      [](nb::handle name_or_file) { return PythonCell{LoadCell(PathOf(name_or_file))}; },
+      [](nb::handle name_or_file) {
+        const std::string name = PathOf(name_or_file);
+        const std::string text = CellText(name);
+        return PythonCell{ParseCell(text, name), Sha256OfBytes(text)};
+      },
       nb::arg("name_or_file"));
   module.def(
       "parse_cell",

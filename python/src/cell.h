@@ -5,6 +5,8 @@
 
 #include <nanobind/nanobind.h>
 
+#include <string>
+
 #include "model/battery/cell.h"
 
 namespace lipoid::python {
@@ -13,6 +15,7 @@ namespace nb = nanobind;
 
 struct PythonCell {
   Cell cell;
+  std::string sha256 = {};  ///< of the file that it was read from; "": of none
 };
 
 /// The cell behind an argument: lipoid.Cell or what it wraps; null where it is something else.

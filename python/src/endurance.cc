@@ -107,7 +107,8 @@ void RefuseWhatIsNotFlown(const Keywords& given, const EnduranceKeywords& made) 
   const EnduranceRequest& request = made.request;
   const bool flies = !made.choices.vehicle.path.empty();
   if (request.power.has_value() == flies)
-    throw OptionError("expected option vehicle or option power, and not both");
+    throw OptionError(fmt::format("expected option vehicle or option power, found {}",
+                                  flies ? "both" : "neither"));
   if (request.power && (given.Has("payload_g") || given.Has("airspeed_m_per_s"))) {
     throw OptionError(
         "options payload_g and airspeed_m_per_s: a mission of powers does not ask what takes them; "

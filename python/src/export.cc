@@ -68,7 +68,8 @@ nb::tuple ExportCell(const PythonCell& cell,
   made.pack.ApplyTo(pack);
   SetCell(request, pack);
   request.source = cell.cell.name;
-  request.sha256 = Sha256OfBytes(JsonText(CellToJson(cell.cell)));
+  request.sha256 =
+      cell.sha256.empty() ? Sha256OfBytes(JsonText(CellToJson(cell.cell))) : cell.sha256;
   request.name = IdentifierOf(cell.cell.name);
   request.stem = std::filesystem::path(path).stem().string();
   std::vector<std::string> warnings;

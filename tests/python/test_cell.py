@@ -82,6 +82,18 @@ def test_it_is_what_the_program_simulates(program: Lipoid, tmp_path: Path) -> No
     pd.testing.assert_frame_equal(ours, written, check_exact=True)
 
 
+def test_what_was_simulated_stays_when_the_callers_arrays_change() -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    time_s, current_A = np.arange(0.0, 60.0), np.full(60, 0.3)
+    flown = cell.simulate(time_s, current_A)
+    time_s += 1000.0
+    current_A[:] = 0.6
+    assert flown.time_s[-1] == 59.0
+    assert flown.current_A[0] == 0.3
+    flown.open_circuit_V[0] = 0.0  # an array of the caller's
+    assert flown.open_circuit_V[0] > 3.0
+
+
 def test_shapes_and_order_are_checked() -> None:
     cell = lipoid.Cell.read("gifi-600mAh-1")
     with pytest.raises(lipoid.OptionError, match="do not go with"):
@@ -156,6 +168,7 @@ def test_dates_and_durations_are_seconds(name: str, make: Callable[[Any], Any]) 
             np.stack([I, I]),
             "time_s: expected numbers, found dates",
         ),
+        (np.arange(len(T)).astype("timedelta64[M]"), I, "time_s: expected times of a fixed length"),
         ([pd.Timestamp(0), pd.Timestamp(1, tz="UTC")], [0.0, 1.0], "all have a time zone or none"),
         (0.0, 1.0, "current_A: expected a column of numbers"),
         (dict(enumerate(T)), I, "expected times or a Log, found a dict"),

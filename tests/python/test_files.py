@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import os
 import pickle
 import shutil
@@ -89,3 +90,11 @@ def test_a_cell_is_saved_over_the_file_that_it_was_read_from(
     shutil.copy(found[0] / "c.json", tmp_path / "c.json")
     lipoid.Cell.read(tmp_path / "c.json").pack(2).save(tmp_path / "c.json")
     assert lipoid.Cell.read(tmp_path / "c.json").series == 2
+
+
+def test_an_export_names_the_file_that_the_cell_was_read_from(tmp_path: Path) -> None:
+    file = Path(__file__).parents[2] / "fixtures" / "cells" / "gifi-600mAh-1.json"
+    sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
+    for cell in (file, "gifi-600mAh-1", lipoid.Cell.read(file)):
+        lipoid.export(cell, "px4", tmp_path / "battery.params")
+        assert sha256 in (tmp_path / "battery.params").read_text()

@@ -638,6 +638,28 @@ TEST(EnduranceCommand, SaysWhereNoLogHasShownTheVoltage) {
             std::string::npos);
 }
 
+// Half of the payloads drawn are less than none.
+TEST(EnduranceCommand, SaysThatManyDrawsLieBeyondTheirRange) {
+  const auto folder = TestFolder();
+  const auto said = [&](const std::string& payload) {
+    const auto run = RunLipoid(folder,
+                               {"endurance",
+                                "--cell",
+                                kCell,
+                                "--vehicle",
+                                "mambo-physical",
+                                "--payload-g",
+                                payload,
+                                "--ensemble",
+                                "20"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.err.find("50 % of the values of payload-g drawn lie beyond 0 to ") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(said("0+-2"));
+  EXPECT_FALSE(said("5+-2"));
+}
+
 TEST(EnduranceCommand, SaysWhatIsWrong) {
   const auto folder = TestFolder();
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
@@ -676,6 +698,12 @@ TEST(EnduranceCommand, SaysWhatIsWrong) {
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--reserve", "120%"}, "120"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--ensemble", "1"},
        "ensemble: expected at least 2 flights, or 0 for no intervals, found 1"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--set", "step_s=1e-300"},
+       "step_s: expected 0 or a step of at least 0.0001 s, found 1e-300"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--mission", "waypoints="},
+       "option --mission: expected waypoints=FILE, found no file"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--mission", "power=p.csv"},
+       "option --vehicle: a mission of powers does not ask what takes them; leave it out"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--initial-soc", "1.5"},
        "the cell is beyond full at a state of charge of 1.5: no charger leaves it so"},
   };

@@ -26,9 +26,13 @@ TEST(ExportCommand, WritesTheFilesAndPrintsWhatTheirCommentsSay) {
                               "-o",
                               "frame.json",
                               "--summary",
-                              "s.json"});
+                              "s.json",
+                              "--latex",
+                              "t.tex"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"frame.json", "frame.parm", "s.json"}));
+  EXPECT_EQ(FilesIn(folder),
+            (std::vector<std::string>{"frame.json", "frame.parm", "s.json", "t.tex"}));
+  EXPECT_NE(ReadTextFile(folder + "/t.tex").find("maxVoltage & "), std::string::npos);
   const Json summary = ReadJson(folder, "s.json");
   EXPECT_EQ(summary["target"], "ardupilot");
   EXPECT_EQ(summary["target_version"], "any");
@@ -113,6 +117,22 @@ TEST(ExportCommand, CallsNoLawExactThatLacksWhatTheCellHas) {
   EXPECT_NE(
       ReadTextFile(folder + "/pack.h").find("the law is the cell's own without its hysteresis"),
       std::string::npos);
+  // A diffusion that ends early is none that PyBaMM's element can have.
+  cell.erase("hysteresis");
+  cell["diffusion"]["tail"] = false;
+  Write(folder + "/early.json", cell.dump());
+  for (const auto& [file, kind] : {std::pair{"plain.json", "exact"},
+                                   {"both.json", "incomplete"},
+                                   {"early.json", "incomplete"}}) {
+    const auto run =
+        RunLipoid(folder, {"export", file, "--to", "pybamm", "-o", "p.py", "--summary", "s.json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(ReadJson(folder, "s.json").at("kind"), kind) << file;
+  }
+  const std::string early = ReadTextFile(folder + "/p.py");
+  EXPECT_EQ(early.find("the error is that of the mesh"), std::string::npos);
+  EXPECT_NE(early.find("what the mesh adds to the error of what it cannot hold"),
+            std::string::npos);
 }
 
 TEST(ExportCommand, ReachesWhatIsKnownOfASortie) {

@@ -51,7 +51,8 @@ TEST(Plan, AValueThatStandsTwiceIsRefused) {
   for (const std::string option : {"--pulse-s", "--rest-s", "--rate-C", "--sampling-s"}) {
     const auto run = RunLipoid(folder, {"plan", "gifi-600mAh-1", option, "10,20,10"});
     EXPECT_EQ(run.exit_code, 2) << option;
-    EXPECT_NE(run.err.find(" 10 stands there twice"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("option " + option + ": 10 stands there twice"), std::string::npos)
+        << run.err;
   }
 }
 
@@ -161,9 +162,10 @@ TEST(Plan, LeavesOutWhatIdentifyWouldRefuse) {
   ASSERT_EQ(rows.exit_code, 0) << rows.err;
   const Json of_rows = ReadJson(folder, "rows.json");
   ASSERT_EQ(of_rows.at("rows").size(), 1U);
-  EXPECT_EQ(of_rows.at("left_out")[0],
-            "expected pulses and rests that are multiples of sampling_s, 7 s; take a pulse_s of "
-            "28 or 35 s in place of 30 s, and a rest_s of 1764 or 1771 s in place of 1770 s");
+  EXPECT_EQ(
+      of_rows.at("left_out")[0],
+      "expected pulses and rests of whole rows, one every 7 s; take pulses of 28 or 35 s in place "
+      "of 30 s, and rests of 1764 or 1771 s in place of 1770 s");
   const auto run = RunLipoid(
       folder, {"plan", "gifi-600mAh-1", "--pulse-s", "100,250,300", "--summary", "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -172,7 +174,7 @@ TEST(Plan, LeavesOutWhatIdentifyWouldRefuse) {
   EXPECT_EQ(summary.at("rows")[1].at("pulse_s"), 250.0);
   EXPECT_EQ(summary.at("left_out")[0],
             "pulses.csv: a pulse of 300 s at 3.6 A empties the cell after 266 s, before any rest, "
-            "and identify takes no such log for pulses; give a shorter pulse_s or a lower rate");
+            "and identify takes no such log for pulses; take shorter pulses or a lower rate");
   for (const std::vector<std::string>& at :
        {std::vector<std::string>{}, std::vector<std::string>{"--ambient-degC", "25"}}) {
     std::vector<std::string> arguments{
@@ -181,7 +183,7 @@ TEST(Plan, LeavesOutWhatIdentifyWouldRefuse) {
     const auto none = RunLipoid(folder, arguments);
     EXPECT_EQ(none.exit_code, 2);
     EXPECT_NE(none.err.find("expected rests of at least 2 rows between the pulses; "
-                            "give a rest_s of at least 10 s"),
+                            "take rests of at least 10 s"),
               std::string::npos)
         << none.err;
   }

@@ -653,5 +653,40 @@ TEST(Validate, SaysWhereTheTemperatureMayBeWhyACellIsOff) {
       << warm;
 }
 
+// Rest asks nothing of a cell, wherever it is; the sentence of a cut-off that is reached would be wrong.
+TEST(Simulate, SaysThatTheCellBeginsBelowItsCutoff) {
+  const auto folder = TestFolder();
+  ASSERT_EQ(RunShell(folder, "printf 'time_s,current_A\\n0,0\\n10,0\\n20,0.6\\n' >i.csv").exit_code,
+            0);
+  const auto run = RunLipoid(
+      folder,
+      {"simulate", "gifi-600mAh-1", "--current", "i.csv", "--initial-soc", "-0.2", "-o", "p.csv"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(
+      run.err.find(
+          "the cell is below its cut-off of 3 V before any current flows: 2 of 3 rows, at rest, "
+          "were written"),
+      std::string::npos)
+      << run.err;
+}
+
+// The result is rows, and --latex is for tables.
+TEST(Simulate, WritesNoTablesWhereThereAreNone) {
+  const auto folder = FolderWithLogs();
+  const auto run = RunLipoid(folder,
+                             {"simulate",
+                              "gifi-600mAh-1",
+                              "--current",
+                              "logs/cc_2C.csv",
+                              "-o",
+                              "p.csv",
+                              "--latex",
+                              "t.tex"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("t.tex: not written, for this result has no table"), std::string::npos)
+      << run.err;
+  EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"logs", "p.csv"}));
+}
+
 }  // namespace
 }  // namespace lipoid::test

@@ -256,7 +256,13 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
       if (!line->report_file().empty())
         WriteFileAtomically(line->report_file(), ReportPage({&result, 1}));
     }
-    if (!line->latex_file().empty()) WriteFileAtomically(line->latex_file(), Paper(*line, tables));
+    if (!line->latex_file().empty()) {
+      if (tables.latex().empty()) {
+        line->Message("{}: not written, for this result has no table", line->latex_file());
+      } else {
+        WriteFileAtomically(line->latex_file(), Paper(*line, tables));
+      }
+    }
     line->CommitOutputs();
   });
   if (!failure) return static_cast<int>(exit_code);

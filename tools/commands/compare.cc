@@ -119,8 +119,8 @@ std::string BestText(const Comparison& comparison) {
   std::string text = fmt::format("Best: {}, cost {} V².", comparison.best_optimizer, cost);
   if (!comparison.tied.empty()) {
     text = fmt::format(
-        "A tie: {} and {} fit equally well{} (cost {} V²; their errors differ by less "
-        "than a millionth).",
+        "A tie: {} and {} fit equally well{} (cost {} V²; their rms errors differ by "
+        "less than a millionth).",
         comparison.best_optimizer,
         fmt::join(comparison.tied, ", "),
         started_at_random ? ", each from its best start, where the table is from the first" : "",
@@ -169,6 +169,36 @@ std::string BoundsText(const Comparison& comparison, double decades) {
   if (sentences.empty()) return "";
   return cli::Wrapped(fmt::format("{}: such a value is no finding.", fmt::join(sentences, "; "))) +
          "\n";
+}
+
+// Where a branch is slower than any that the logs can show: "" where none is.
+std::string SlowBranchesText(const PulseTask& task, const Comparison& comparison) {
+  const double longest_s = FindPulseScales(task.data, task.sweep.setup().alpha_C).longest_tau_s;
+  std::vector<std::string> sentences;
+  for (std::size_t j = 0;; ++j) {
+    std::vector<std::string> who;
+    bool there = false;
+    for (const auto& r : comparison.results) {
+      const SweepParameters& found = r.parameters.sweep;
+      if (found.resistance_Ohm.size() <= j) continue;
+      there = true;
+      if (found.resistance_Ohm[j] > 0.0 && found.time_constant_s[j] > longest_s)
+        who.push_back(r.optimizer);
+    }
+    if (!there) break;
+    if (who.empty()) continue;
+    sentences.push_back(fmt::format(
+        "tau_{} = r_{} c_{} of {} is beyond {} s, the longest that these logs can show: the branch is "
+        "a capacitor there, and its r_{} is no finding",
+        j + 1,
+        j + 1,
+        j + 1,
+        fmt::join(who, ", "),
+        Significant(longest_s, 3),
+        j + 1));
+  }
+  if (sentences.empty()) return "";
+  return cli::Wrapped(fmt::format("{}.", fmt::join(sentences, "; "))) + "\n";
 }
 
 // Why no run has an answer, or the best is no fit; "": there is one.
@@ -267,12 +297,13 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   const std::string parameters = ParametersText(comparison, diffusion);
   const std::string no_fit = WhyNoFit(comparison);
   if (!no_fit.empty()) line.Message("{}", no_fit);
-  line.Print("{}\n{}\n{}\n{}{}",
+  line.Print("{}\n{}\n{}\n{}{}{}",
              problem,
              results,
              parameters,
              BestText(comparison),
-             BoundsText(comparison, request.options.decades));
+             BoundsText(comparison, request.options.decades),
+             SlowBranchesText(task, comparison));
   return no_fit.empty() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 

@@ -74,6 +74,8 @@ void SetMission(cli::CommandLine& line,
   constexpr std::string_view kPower = "power=";
   constexpr std::string_view kRoute = "waypoints=";
   if (request.cruise || text == "hover") return;
+  if (text == kRoute || text == kPower)
+    throw OptionError(fmt::format("option --mission: expected {}FILE, found no file", text));
   if (text.starts_with(kRoute)) {
     const std::string file = text.substr(kRoute.size());
     line.AddInputs({file});
@@ -285,10 +287,10 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
     }
   }
   if (mission.starts_with("power=")) {
-    if (!vehicle_name.empty() || line.Given("payload-g") || line.Given("airspeed-m-per-s")) {
-      throw OptionError(
-          "options --vehicle, --payload-g and --airspeed-m-per-s: a mission of powers does not ask "
-          "what takes them; leave them out");
+    for (const char* const option : {"vehicle", "payload-g", "airspeed-m-per-s"}) {
+      if (!line.Given(option)) continue;
+      throw OptionError(fmt::format(
+          "option --{}: a mission of powers does not ask what takes them; leave it out", option));
     }
   } else if (vehicle_name.empty()) {
     throw OptionError("option --vehicle: expected a vehicle that is to fly, found none");

@@ -55,12 +55,8 @@ void RequireTaken(const cli::CommandLine& line,
 std::string Headline(const ExportTarget& target,
                      const ExportRequest& request,
                      const Exported& exported) {
-  const std::string without = WithoutWhatNoTargetHolds(request);
-  std::string text = fmt::format("{} ({})",
-                                 target.name,
-                                 target.kind == TargetKind::kExact && !without.empty()
-                                     ? "the cell's own law" + without
-                                     : options_internal::ToText(target.kind));
+  std::string text =
+      fmt::format("{} ({})", target.name, KindOfExport(target, request, exported).words);
   if (exported.error) {
     text += fmt::format(": {:.3f} mV rms, {:.3f} mV at most from the cell",
                         1e3 * exported.error->rmse_V,
@@ -216,7 +212,8 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   if (line.earlier() != nullptr) return cli::ExitCode::kDone;
   summary["files"] = Json::array();
 
-  cli::TextTable table({{"parameter", cli::Align::kLeft}, {"value"}, {"unit", cli::Align::kLeft}});
+  cli::TextTable table({{"parameter", cli::Align::kLeft}, {"value"}, {"unit", cli::Align::kLeft}},
+                       "What is exported.");
   for (const auto& parameter : exported.parameters)
     table.Row({parameter.name, fmt::format("{:.6g}", parameter.value), parameter.unit});
   line.Print("{}\n\n{}\n", Headline(target, request, exported), table.Text());

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -20,14 +21,48 @@ std::string ErrorText(const QuantityTrust& q) {
                                       : cli::Significant(100.0 * q.relative_standard_error, 3);
 }
 
+// "r_1, c_1 weak; the others identified".
 std::string DoubtsOf(const TrustReport& trust, bool whole) {
-  std::string doubts;
+  std::vector<std::pair<std::string, std::vector<std::string>>> doubts;  // by verdict, as they come
+  std::size_t doubted = 0;
   for (const auto& q : trust.quantities) {
-    if (q.verdict != Verdict::kIdentified)
-      doubts += fmt::format("{}{}: {}", doubts.empty() ? "" : "; ", q.name, VerdictText(q));
+    if (q.verdict == Verdict::kIdentified) continue;
+    ++doubted;
+    const std::string verdict = VerdictText(q);
+    auto same = std::find_if(
+        doubts.begin(), doubts.end(), [&](const auto& one) { return one.first == verdict; });
+    if (same == doubts.end()) same = doubts.insert(same, {verdict, {}});
+    same->second.push_back(q.name);
   }
-  if (!doubts.empty()) return doubts;
-  return whole ? "all identified" : "all identified but what is left out";
+  if (doubts.empty()) return whole ? "all identified" : "all identified but what is left out";
+  std::vector<std::string> words;
+  for (const auto& [verdict, names] : doubts)
+    words.push_back(fmt::format("{} {}", fmt::join(names, ", "), verdict));
+  if (doubted < trust.quantities.size()) words.emplace_back("the others identified");
+  return fmt::format("{}", fmt::join(words, "; "));
+}
+
+// What the rows of the table would leave open, rows that leave the same together.
+std::string Verdicts(const PlanGridResult& result) {
+  std::vector<std::pair<std::string, std::vector<std::size_t>>> verdicts;
+  for (std::size_t k = 0; k < result.variations.size(); ++k) {
+    const std::string verdict =
+        DoubtsOf(result.variations[k].plan.trust, result.terms_left_out.empty());
+    auto same = std::find_if(
+        verdicts.begin(), verdicts.end(), [&](const auto& one) { return one.first == verdict; });
+    if (same == verdicts.end()) same = verdicts.insert(same, {verdict, {}});
+    same->second.push_back(k + 1);
+  }
+  std::string text;
+  for (const auto& [verdict, rows] : verdicts) {
+    const bool every = rows.size() == result.variations.size();
+    text += cli::Wrapped(every ? fmt::format("Verdict: {}.", verdict)
+                         : rows.size() == 1
+                             ? fmt::format("Row {}: {}.", rows[0], verdict)
+                             : fmt::format("Rows {}: {}.", fmt::join(rows, ", "), verdict)) +
+            "\n";
+  }
+  return text;
 }
 
 // One row each.
@@ -47,12 +82,10 @@ std::string TableOfExperiments(const PlanGridResult& result) {
       columns.push_back({q.name + "_%"});
       cells.push_back(ErrorText(q));
     }
-    columns.push_back({"verdict", cli::Align::kLeft});
-    cells.push_back(DoubtsOf(plan.trust, result.terms_left_out.empty()));
     if (!table) table.emplace(columns, "What each experiment would tell: standard errors in %.");
     table->Row(cells);
   }
-  return table->Text();
+  return table->Text() + "\n" + Verdicts(result);
 }
 
 // One column each: a campaign, and what a second temperature adds to it. `from` is the campaign.

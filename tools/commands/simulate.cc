@@ -269,7 +269,16 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
     told["minimum_voltage_V"] = way.lowest_V;
   }
   line.summary()["logs"] = Json::array({std::move(told)});
-  if (!whole) {
+  const bool begins_empty =
+      way.rows > 0 && way.lowest_V < cutoff_V - cell.series * kCutoffTolerance_V;
+  if (!whole && begins_empty) {
+    line.Message(
+        "the cell is below its cut-off of {:.4g} V before any current flows: {} of {}, at rest, were written; begin "
+        "with more charge (--initial-soc; --beyond-cutoff writes all)",
+        cutoff_V,
+        way.rows,
+        Counted(rows_of_log, "row"));
+  } else if (!whole) {
     line.Message(
         "the cell reaches its cut-off of {:.4g} V at {:.10g} s under {:.4g} A: the {} of {} "
         "above it, within {:g} mV, were written (--beyond-cutoff writes all)",

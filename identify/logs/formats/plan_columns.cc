@@ -128,14 +128,18 @@ class Planner {
     if (matches.empty()) return std::nullopt;
     matches = ByRank(std::move(matches));
     if (matches.size() > 1 && (!in_order || matches[0].rank == matches[1].rank)) {
+      const HeaderName& first = header_.names[matches[0].field];
       const HeaderName& other = header_.names[matches[1].field];
+      const bool alike = first.text == other.text;
       Fail(other.column,
            fmt::format("expected one column for the {0}, found '{1}' and '{2}'; say which with "
-                       "`columns = {{{3} = \"{1}\"}}`",
+                       "`columns = {{{3} = \"{4}\"}}`{5}",
                        Name(quantity),
-                       header_.names[matches[0].field].text,
+                       first.text,
                        other.text,
-                       Key(quantity)));
+                       Key(quantity),
+                       alike ? fmt::format("{}", matches[0].field + 1) : first.text,
+                       alike ? ", its place in the row" : ""));
     }
     return matches.front();
   }

@@ -10,7 +10,8 @@
 //   v    = v_oc(A) - r_s(A, h) i - sum_j v_j - r_ct(A) i_0 asinh(i/i_0)
 //
 // One cell: amperes (discharge positive), volts, seconds, coulombs. Each step is the exact solution for a
-// current that is constant over it, whatever its length. A state is the numbers q, u_1 .., v_1 .., h in a row.
+// current and an r_j that are constant over it, whatever its length; r_j is that of its beginning. A state is the
+// numbers q, u_1 .., v_1 .., h in a row.
 
 #if CELL_FLOAT
 typedef float cell_real;

@@ -227,6 +227,12 @@ TEST(LoadCampaign, WhatNoLogOfTheCellCanBeIsNamed) {
                 "/b.csv:1:1: error: expected pulses of a cell that is full at most, found 2 Ah of "
                 "charging from a state of charge of 1 of 2 Ah on; turn the current round "
                 "(`current_sign`), or say where the log starts (`initial_soc`)");
+  // Nothing was charged: the start is what is wrong.
+  EXPECT_EQ(
+      complaint("", "file = 'a.csv'\ninitial_soc = 1.4"),
+      folder +
+          "/a.csv:1:1: error: expected pulses of a cell that is full at most, found a start at a state of "
+          "charge of 1.4; say where the log starts (`initial_soc`)");
 }
 
 // Before, a fit read voltages that are not there.

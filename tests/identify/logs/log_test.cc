@@ -521,6 +521,10 @@ const Wrong kWrong[] = {
      "F:1:18: error: expected one column for the current, found 'current_A' and 'I (mA)'; say "
      "which with `columns = "
      "{current_A = \"current_A\"}`"},
+    {"a name twice",
+     "time_s,current_A,voltage_V,time_s\n1,2,3,4\n",
+     "F:1:28: error: expected one column for the time, found 'time_s' and 'time_s'; say which with `columns = "
+     "{time_s = \"1\"}`, its place in the row"},
     {"named column missing",
      kLogHeader + kFiveRows,
      "F:1:1: error: expected columns for time, current and voltage, found none for 'Zeit' among "

@@ -152,5 +152,15 @@ TEST(StudyBranches, RefusesANumberOfBranches) {
       "option --branches: this study fits 0 to 5 branches, one after the other; leave it out");
 }
 
+TEST(StudyBranches, RefusesToHoldABranchThatNotEveryFitHas) {
+  const Cell truth = StudyCell({{0.03, 45.0}});
+  KnownCampaign known(truth, {PulseLog(truth)});
+  known.given.parameters.fixed["r_1"] = 0.03;
+  EXPECT_NE(test::MessageOf<OptionError>([&] {
+              (void)StudyBranches(known.Input(), NoProgress);
+            }).find("no branch is in all of them; say beta or r_s"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace lipoid

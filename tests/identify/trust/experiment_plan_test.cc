@@ -123,12 +123,14 @@ TEST(ExperimentPlan, SaysWhatDoesNotFitTogether) {
     options.sampling_s = sampling_s;
     return PlanExperiment(TestCell(), options, {}).refused;
   };
-  EXPECT_EQ(refused(7.0),
-            "expected pulses and rests that are multiples of sampling_s, 7 s; take a pulse_s of "
-            "28 or 35 s in place of 30 s, and a rest_s of 1764 or 1771 s in place of 1770 s");
-  EXPECT_EQ(refused(60.0),
-            "expected pulses and rests that are multiples of sampling_s, 60 s; take a pulse_s "
-            "of 60 s in place of 30 s, and a rest_s of 1740 or 1800 s in place of 1770 s");
+  EXPECT_EQ(
+      refused(7.0),
+      "expected pulses and rests of whole rows, one every 7 s; take pulses of 28 or 35 s in place "
+      "of 30 s, and rests of 1764 or 1771 s in place of 1770 s");
+  EXPECT_EQ(
+      refused(60.0),
+      "expected pulses and rests of whole rows, one every 60 s; take pulses of 60 s in place of "
+      "30 s, and rests of 1740 or 1800 s in place of 1770 s");
   EXPECT_EQ(refused(0.3), "");
   EXPECT_THROW((void)refused(1.0 / 3.0), OptionError);
   Cell cell = TestCell();

@@ -119,6 +119,8 @@ TEST(CellNumbers, IdentifiersAreThoseOfEveryLanguage) {
   EXPECT_EQ(Identifier("3S pack;system(\"x\")"), "cell_3S_pack_system__x__");
   EXPECT_EQ(Identifier("__init__"), "cell___init__");
   EXPECT_EQ(Identifier(""), "cell_");
+  EXPECT_EQ(Identifier("end"), "cell_end");  // MATLAB would not read `end = struct();`
+  EXPECT_EQ(Identifier("ending"), "ending");
   EXPECT_EQ(Identifier(std::string(200, 'a')).size(), 63U);
 }
 

@@ -125,9 +125,10 @@ TEST(Pybamm, SaysWhatItCannotHold) {
   const auto plain = ExportPybamm(test::RequestOf(LoadCell("gifi-600mAh-1")));
   EXPECT_TRUE(plain.cannot_hold.empty());
   const auto every = ExportPybamm(test::RequestOf(test::CellWithEveryTerm()));
-  ASSERT_EQ(every.cannot_hold.size(), 2U);
+  ASSERT_EQ(every.cannot_hold.size(), 3U);
   EXPECT_NE(every.cannot_hold[0].find("Self-heating"), std::string::npos);
   EXPECT_NE(every.cannot_hold[1].find("mean state of charge"), std::string::npos);
+  EXPECT_NE(every.cannot_hold[2].find("modes"), std::string::npos);
   for (const auto& [name, value] : {std::pair{"Cell capacity [A.h]", 1353.6 / 3600.0},
                                     std::pair{"Diffusion time constant [s]", 266.618}}) {
     double found = NAN;
