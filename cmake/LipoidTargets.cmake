@@ -1,6 +1,9 @@
 # How every lipoid target is compiled. Nothing here is a global flag.
 add_library(lipoid_options INTERFACE)
 target_compile_features(lipoid_options INTERFACE cxx_std_20)
+# Eigen asks the processor for its caches and sums in blocks that fit them: the same numbers came out with other
+# last digits on another machine, and a choice between two structures that are alike may hang on these.
+target_compile_definitions(lipoid_options INTERFACE EIGEN_NO_CPUID)
 target_compile_options(
   lipoid_options
   INTERFACE
