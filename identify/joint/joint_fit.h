@@ -75,7 +75,7 @@ class JointFit {
 
   /// The whole search: over a grid, or, from the rates of a neighbouring structure, over a thin grid
   /// of beta and whatever that structure lacks. So many of the best of the grid are followed down,
-  /// each from a valley of its own unless v_oc is given.
+  /// each from a valley of its own unless v_oc is given; then tables also go on from constants that cost less.
   [[nodiscard]] JointSolution Search(const JointStructure& structure,
                                      double smoothness,
                                      const JointSolution* near = nullptr,

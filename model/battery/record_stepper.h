@@ -122,17 +122,12 @@ class RecordStepper {
   [[nodiscard]] T Voltage(const T& soc) const { return model_.Voltage(state_, soc, current_A_); }
 
  private:
-  static constexpr double kLongestStep = 0.05;   // of the charge
-  static constexpr double kPart = 0.0025;        // of the charge, where a row takes more
-  static constexpr double kMostParts = 100'000;  // a row of absurd charge is no reason to hang
+  static constexpr double kLongestStep = 0.05;  // of the charge
+  static constexpr int kParts = 100;  // as many of any: with fewer of a shorter row slopes were not the voltage's
 
   void WalkInParts(const T& flowed_A, double dt_s) {
-    const double part_C = longest_step_C_ * (kPart / kLongestStep);
-    const double parts =
-        std::min(std::ceil(std::abs(ScalarPart(flowed_A)) * dt_s / part_C), kMostParts);
-    const double part_s = dt_s / parts;
-    for (double part = 0.0; part < parts; part += 1.0) {
-      model_.Prepare(of_row_, part_s, state_);
+    for (int part = 0; part < kParts; ++part) {
+      model_.Prepare(of_row_, dt_s / kParts, state_);
       model_.Advance(state_, flowed_A, of_row_);
     }
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/core/atomic_file.h"
+#include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
 #include "tests/support/text_files.h"
 
@@ -326,6 +327,22 @@ TEST(Compare, SaysWhichSettingsChangeNothing) {
                       "--optimizers sqp,levenberg-marquardt; add it there, or leave them out"),
             std::string::npos);
   EXPECT_EQ(said("sqp,particle-swarm").find("change nothing"), std::string::npos);
+}
+
+// The pulses of this cell let a branch be as slow as it likes: r_1 and tau_1 grow without end, c_1 stays.
+TEST(Compare, SaysWhichBranchIsSlowerThanTheLogsCanShow) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"compare",
+                              SourcePath("fixtures/lab/lg_m50_5ah/campaign.toml"),
+                              "--optimizers",
+                              "levenberg-marquardt"});
+  EXPECT_NE(
+      run.out.find(
+          "tau_1 = r_1 c_1 of levenberg-marquardt is beyond 69730 s, the longest that these logs can"),
+      std::string::npos)
+      << run.out;
+  EXPECT_NE(run.out.find("its r_1 is no finding"), std::string::npos) << run.out;
 }
 
 // gifi-600mAh-1 as it is has next to no branch.

@@ -15,10 +15,10 @@ using test::TestFolder;
 
 // What bash offers for the last of these words.
 std::string OfferedByBash(const std::string& words, int last) {
-  const auto result = RunShell(TestFolder(),
-                               "$LIPOID --completion bash > c.bash && bash -c '. ./c.bash; COMP_WORDS=(" +
-                                   words + "); COMP_CWORD=" + std::to_string(last) +
-                                   "; _lipoid; echo \"${COMPREPLY[@]}\"'");
+  const auto result = RunShell(
+      TestFolder(),
+      "$LIPOID --completion bash > c.bash && bash -c '. ./c.bash; COMP_WORDS=(" + words +
+          "); COMP_CWORD=" + std::to_string(last) + "; _lipoid; echo \"${COMPREPLY[@]}\"'");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   return result.out;
 }
@@ -62,8 +62,8 @@ TEST(Completion, EveryShellKnowsTheOptionsOfACommand) {
 TEST(Completion, ShellsTakeTheirScript) {
   for (const std::string shell : {"bash", "zsh", "fish"}) {
     if (RunShell(TestFolder(), "command -v " + shell).exit_code != 0) continue;
-    const auto read =
-        RunShell(TestFolder(), "$LIPOID --completion " + shell + " > script && " + shell + " -n script");
+    const auto read = RunShell(
+        TestFolder(), "$LIPOID --completion " + shell + " > script && " + shell + " -n script");
     EXPECT_EQ(read.exit_code, 0) << shell << ": " << read.err;
   }
 }
@@ -82,8 +82,11 @@ TEST(Manual, HasASectionForEveryCommandAndALineForEveryOption) {
   const auto page = RunLipoid(folder, {"--manual"});
   EXPECT_EQ(page.exit_code, 0) << page.err;
   EXPECT_EQ(page.out.rfind(".TH LIPOID 1", 0), 0U);
-  for (const std::string part : {".SH IDENTIFY\n", ".SH VALIDATE\n", ".SH EXIT STATUS\n",
-                                 ".B \\-o, \\-\\-output", ".B \\-\\-residuals CSV"}) {
+  for (const std::string part : {".SH IDENTIFY\n",
+                                 ".SH VALIDATE\n",
+                                 ".SH EXIT STATUS\n",
+                                 ".B \\-o, \\-\\-output",
+                                 ".B \\-\\-residuals CSV"}) {
     EXPECT_NE(page.out.find(part), std::string::npos) << part;
   }
 }
@@ -91,8 +94,10 @@ TEST(Manual, HasASectionForEveryCommandAndALineForEveryOption) {
 // groff warns of what it cannot set.
 TEST(Manual, IsSetWithoutAWarning) {
   const auto folder = TestFolder();
-  if (RunShell(folder, "command -v groff").exit_code != 0) GTEST_SKIP() << "skipped: there is no groff";
-  const auto set = RunShell(folder, "$LIPOID --manual > lipoid.1 && groff -man -Tutf8 -ww -b lipoid.1");
+  if (RunShell(folder, "command -v groff").exit_code != 0)
+    GTEST_SKIP() << "skipped: there is no groff";
+  const auto set =
+      RunShell(folder, "$LIPOID --manual > lipoid.1 && groff -man -Tutf8 -ww -b lipoid.1");
   EXPECT_EQ(set.exit_code, 0);
   EXPECT_EQ(set.err, "");
   EXPECT_NE(set.out.find("lipoid"), std::string::npos);

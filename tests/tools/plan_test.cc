@@ -56,6 +56,36 @@ TEST(Plan, AValueThatStandsTwiceIsRefused) {
   }
 }
 
+// In a column of the table the verdicts took four lines a row.
+TEST(Plan, RowsThatLeaveTheSameOpenShareASentence) {
+  const auto folder = TestFolder();
+  ASSERT_EQ(RunLipoid(folder,
+                      {"synthesize",
+                       "gifi-600mAh-1",
+                       "--with",
+                       "r_1=0.03,c_1=1500",
+                       "--sampling-s",
+                       "10",
+                       "-o",
+                       "logs"})
+                .exit_code,
+            0);
+  const auto run = RunLipoid(folder,
+                             {"plan",
+                              "logs/truth.json",
+                              "--pulse-s",
+                              "5,20",
+                              "--rest-s",
+                              "20,600",
+                              "--coloured-noise-V",
+                              "0.02"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("\nRows 1, 2, 4: beta, r_1, tau_1, c_1 weak; the others identified.\n"
+                         "Row 3: r_1, tau_1, c_1 weak; the others identified.\n"),
+            std::string::npos)
+      << run.out;
+}
+
 // The thesis' branch of 0.24 ms: rows every second cannot see it, and nothing must hang on it.
 TEST(Plan, ABranchTooFastForTheRowsCountsWithTheSeriesResistance) {
   const auto folder = TestFolder();

@@ -102,6 +102,16 @@ TEST(Study, OcvAndTermsGiveRows) {
   }
 }
 
+TEST(Study, SaysThatAParameterThatIsHeldIsOffByNothing) {
+  const auto folder = TestFolder();
+  SynthesizeNoisyLogs(folder);
+  const auto run =
+      RunLipoid(folder, {"study", "terms", "logs/campaign.toml", "--fix", "beta=0.19"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE((run.out + run.err).find("beta is held at 0.19 s^-1/2 in every fit"), std::string::npos)
+      << run.out << run.err;
+}
+
 // As `lipoid identify --method staged` does.
 TEST(Study, FitsThatDidNotConvergeEndWithOne) {
   const auto folder = TestFolder();

@@ -73,7 +73,7 @@ TEST(RecordStepper, ALongRowEndsWhereShortRowsDo) {
       };
       const double fine_V = after(600);
       const double coarse_V = after(1);
-      // Parts of 9 s; in one step both cells end 7 mV and more away.
+      // Parts of 6 s; in one step both cells end 7 mV and more away.
       EXPECT_NEAR(coarse_V, fine_V, 2e-4);
     }
   }
