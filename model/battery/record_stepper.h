@@ -10,8 +10,9 @@
 /// The state after row k is that at t[k]; the voltage of row k is the one at t[k] with the current
 /// of row k. Rows may come in any number of pieces: the stepper remembers the last one.
 ///
-/// A step of the cell takes r_j and the heat at its beginning. Where one row takes more than a twentieth of
-/// the charge, as in a log that has rows where the current changes alone, it is walked in parts. Tests:
+/// A step of the cell takes r_j at its beginning. Where r_j is a table and one row takes more than a twentieth of the
+/// charge, as in a log that has rows where the current changes alone, it is walked in parts; not so that of a cell
+/// that knows temperature, whose fit takes such rows in one step. Tests:
 /// tests/model/battery/record_stepper_test.cc.
 
 #include <array>
@@ -77,8 +78,9 @@ class RecordStepper {
   RecordStepper(const CellModel<T>& model, Hold hold, State initial)
       : model_(model), hold_(hold), state_(std::move(initial)) {
     const CellParameters<T>& cell = model.parameters();
-    bool changes = cell.temperature.has_value();
-    for (const auto& branch : cell.branches) changes = changes || !branch.resistance_Ohm.constant();
+    bool changes = false;
+    for (const auto& branch : cell.branches)
+      changes = changes || (!cell.temperature && !branch.resistance_Ohm.constant());
     if (changes && ScalarPart(cell.alpha_C) > 0.0)
       longest_step_C_ = kLongestStep * ScalarPart(cell.alpha_C);
   }
@@ -123,7 +125,8 @@ class RecordStepper {
 
  private:
   static constexpr double kLongestStep = 0.05;  // of the charge
-  static constexpr int kParts = 100;  // as many of any: with fewer of a shorter row slopes were not the voltage's
+  // As many of any row: with fewer of a shorter one slopes would not be those of the voltage.
+  static constexpr int kParts = 100;
 
   void WalkInParts(const T& flowed_A, double dt_s) {
     for (int part = 0; part < kParts; ++part) {
