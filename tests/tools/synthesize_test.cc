@@ -180,7 +180,7 @@ TEST(Synthesize, SaysWhatMakesNoLogsOfALab) {
       {{"--rest-s", "0"}, "expected rests of at least 2 rows between the pulses"},
       {{"--pulse-s", "1000"},
        "pulses.csv: a pulse of 1000 s at 3.6 A empties the cell after 266 s, before any rest, and "
-       "identify takes no such log for pulses; give a shorter pulse_s or a lower rate"},
+       "identify takes no such log for pulses; take shorter pulses or a lower rate"},
       {{"--low-rate-h", "0.5"}, "low_rate.csv: expected a low rate, at most 0.2 C, found 1.25 C"}};
   for (const auto& [options, message] : refused) {
     std::vector<std::string> arguments{
