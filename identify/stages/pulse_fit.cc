@@ -18,17 +18,17 @@ namespace {
 constexpr double kNothing = 1e-6;
 
 // Without resistance one of several branches may have any time constant: the cost is flat along it, and no step
-// leads away, though at another one the branch may have a part in the answer. A single one was looked for at every
-// time constant already, before the starts were chosen. From the best of such: the fit that
-// costs less, or `found`.
+// leads away, though at another one the branch may have a part in the answer. From the best of such: the fit that
+// costs less, or `found`. A single branch has no need of it: the grid that the search begins with is one of its
+// time constants.
 JointSolution WithGoneBranchesElsewhere(const JointFit& fit,
                                         const GivenParameters& held,
                                         const LevenbergMarquardtOptions& solver,
                                         JointSolution found) {
   constexpr int kTried = 16;
   constexpr double kNoGain = 1e-6;  // what the sums of a single solution may be off by, and more
-  JointSolution best = found;
   if (found.structure.branches < 2) return found;
+  JointSolution best = found;
   for (const JointRate& rate : fit.Rates(found.structure)) {
     const auto j = static_cast<std::size_t>(rate.index);
     const bool of_branch = rate.name == fmt::format("tau_{}", j + 1);

@@ -403,7 +403,7 @@ std::string Identifier(std::string_view name) {
     const bool fits = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
     text += fits ? c : '_';
   }
-  // What MATLAB takes for a word of its own; Python and C share most of them.
+  // The words that MATLAB lets nothing else be called by.
   constexpr std::string_view kReserved[] = {
       "break",      "case",   "catch",    "classdef", "continue", "else",      "elseif",
       "end",        "for",    "function", "global",   "if",       "otherwise", "parfor",

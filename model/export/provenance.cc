@@ -67,8 +67,8 @@ std::string WithoutWhatNoTargetHolds(const ExportRequest& request) {
 std::string ButForTables(const Cell& cell) {
   for (const auto& branch : cell.branches) {
     if (branch.resistance_Ohm.constant()) continue;
-    return ", but that a branch has the resistance of the step's beginning, which is a table over the state of "
-           "charge: steps that take under a hundredth of the charge keep it right";
+    return ", but for the resistance of a branch that is a table over the state of charge: it is taken at the step's "
+           "beginning, and steps that take under a hundredth of the charge keep it right";
   }
   return "";
 }

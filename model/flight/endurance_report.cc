@@ -251,9 +251,8 @@ std::vector<std::string> EnduranceSentences(const EnduranceRequest& request,
 namespace {
 
 // A value that is drawn beyond its range is put to the end of it; where many are, the interval is one of the range.
-std::string DoubtAboutDraws(EnduranceRequest request, const EnduranceVariable& variable) {
+std::string DoubtAboutDraws(const EnduranceVariable& variable, const Uncertain& number) {
   constexpr double kMany = 0.05;
-  const Uncertain number = variable.of(request);
   if (number.known()) return "";
   const Range valid{variable.valid.lo * variable.unit, variable.valid.hi * variable.unit};
   const auto beyond = [&](double by) {
@@ -287,8 +286,9 @@ std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
         "no intervals: {} does not say how uncertain it is, and no value was given as X+-SE",
         request.cell.name));
   }
+  EnduranceRequest asked = request;
   for (const EnduranceVariable& variable : EnduranceVariables())
-    add(DoubtAboutDraws(request, variable));
+    add(DoubtAboutDraws(variable, variable.of(asked)));
   if (request.ambient_degC) {
     const double degC = request.ambient_degC->value;
     add(DoubtAboutTemperature(request.cell, degC, degC));

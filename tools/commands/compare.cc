@@ -175,17 +175,13 @@ std::string BoundsText(const Comparison& comparison, double decades) {
 std::string SlowBranchesText(const PulseTask& task, const Comparison& comparison) {
   const double longest_s = FindPulseScales(task.data, task.sweep.setup().alpha_C).longest_tau_s;
   std::vector<std::string> sentences;
-  for (std::size_t j = 0;; ++j) {
+  for (std::size_t j = 0; j < comparison.start.sweep.resistance_Ohm.size(); ++j) {
     std::vector<std::string> who;
-    bool there = false;
     for (const auto& r : comparison.results) {
       const SweepParameters& found = r.parameters.sweep;
-      if (found.resistance_Ohm.size() <= j) continue;
-      there = true;
       if (found.resistance_Ohm[j] > 0.0 && found.time_constant_s[j] > longest_s)
         who.push_back(r.optimizer);
     }
-    if (!there) break;
     if (who.empty()) continue;
     sentences.push_back(fmt::format(
         "tau_{} = r_{} c_{} of {} is beyond {} s, the longest that these logs can show: the branch is "
