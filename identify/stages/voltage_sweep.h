@@ -20,6 +20,7 @@
 #include "identify/stages/condensed_log.h"
 #include "model/battery/cell_model.h"
 #include "model/battery/error_metrics.h"
+#include "model/battery/ranges.h"
 
 namespace lipoid {
 
@@ -109,7 +110,7 @@ class VoltageSweep : public Observations {
                                 Add add) const;
 
   JointSetup setup_;
-  FitScales scales_{.least_beta_per_sqrt_s = 1e-4};
+  FitScales scales_{.least_beta_per_sqrt_s = kLeastBeta_per_sqrt_s};
   std::vector<SweepLog> logs_;
   Condensation how_;
   std::shared_ptr<const std::vector<CondensedLog>> condensed_;  // the expensive part

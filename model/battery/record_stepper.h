@@ -129,10 +129,8 @@ class RecordStepper {
   static constexpr int kParts = 100;
 
   void WalkInParts(const T& flowed_A, double dt_s) {
-    for (int part = 0; part < kParts; ++part) {
-      model_.Prepare(of_row_, dt_s / kParts, state_);
-      model_.Advance(state_, flowed_A, of_row_);
-    }
+    model_.Prepare(of_row_, dt_s / kParts, state_);
+    for (int part = 0; part < kParts; ++part) model_.Advance(state_, flowed_A, of_row_);
   }
 
   const CellModel<T>& model_;
