@@ -21,8 +21,11 @@ const CellParameterKind& KindOf(std::string_view option,
                                 const std::string& name,
                                 const std::vector<std::string>& names) {
   if (std::find(names.begin(), names.end(), name) == names.end()) {
-    throw OptionError(fmt::format(
-        "--{}: no parameter '{}' in this fit; there are {}", option, name, fmt::join(names, ", ")));
+    throw OptionError(fmt::format("--{}: no parameter '{}' in this fit; there are {}{}",
+                                  option,
+                                  name,
+                                  fmt::join(names, ", "),
+                                  name == "alpha" ? ", and --alpha-C gives alpha" : ""));
   }
   return *FindCellParameter(name)->kind;
 }
@@ -90,11 +93,8 @@ void CheckGiven(const GivenParameters& given, const std::vector<std::string>& na
                                     kind.upper == 1.0 ? " <= 1" : ""));
     }
     if (!kind.zero && high == 0.0) {
-      throw OptionError(fmt::format("--bounds {}={},{}: expected {} at the upper end",
-                                    name,
-                                    low,
-                                    high,
-                                    kind.expected));
+      throw OptionError(fmt::format(
+          "--bounds {}={},{}: expected {} at the upper end", name, low, high, kind.expected));
     }
     const auto within = [&, name = name, low = low, high = high](
                             std::string_view option, const std::optional<double>& value) {

@@ -816,7 +816,12 @@ class JointRun {
     }
     for (const auto& name : best.at_bound) {
       say.push_back(
-          name == "beta"
+          name == "beta" && given_.parameters.Bounds("beta")
+              ? fmt::format(
+                    "beta is at the limit that --bounds gives it, {:.3g} s^-1/2: these logs would be fitted better "
+                    "beyond it",
+                    best.rates.beta_per_sqrt_s)
+          : name == "beta"
               ? fmt::format(
                     "beta is at its limit, {:.3g} s^-1/2: these logs show no diffusion apart "
                     "from the branches",
@@ -993,15 +998,20 @@ class JointRun {
       const auto [loaded_s, rows] = UnderLoad(log.log.record);
       rows_s = std::min(rows_s, loaded_s / std::max(rows, 1.0));
     }
-    if (!(slowest_s > rows_s)) return;
+    constexpr double kFirstAnswer_s = 1.0;  // of the resistances at half charge
+    const bool seen = slowest_s > rows_s;
+    if (!seen && !(slowest_s > kFirstAnswer_s)) return;
     constexpr double kMostTerms = 100.0;
-    const double wanted = std::ceil(1.0 / (diffusion->beta_per_sqrt_s * std::sqrt(0.5 * rows_s)));
+    const double within_s = std::min(rows_s, kFirstAnswer_s);
+    const double wanted = std::ceil(1.0 / (diffusion->beta_per_sqrt_s * std::sqrt(0.5 * within_s)));
     result_.cautions.push_back(fmt::format(
-        "diffusion is counted in {} modes, and the next, of {:.2g} s, is slower than the rows, every {:.2g} s: what is "
-        "left of it stands in r_s and in a fast branch; --set pulses.terms={} would tell",
+        "diffusion is counted in {} modes, and the next, of {:.2g} s, is slower than {}: what is left of it stands "
+        "in {}; --set pulses.terms={} would tell",
         diffusion->terms,
         slowest_s,
-        rows_s,
+        seen ? fmt::format("the rows, every {:.2g} s", rows_s)
+             : "the resistance after 1 s asks for, though not than the rows",
+        seen ? "r_s and in a fast branch" : "r_s, and makes that resistance too large",
         std::min(wanted, kMostTerms)));
   }
 

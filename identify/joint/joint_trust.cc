@@ -88,8 +88,8 @@ PulseQuestion AtHalfCharge(const JointResult& result, double alphas) {
   return question;
 }
 
-// Standard deviations of the resistances at half charge: half of an alpha that follows the fit is another place
-// on its axis.
+// Standard deviations of the resistances at half charge that the fit does not know: half of an alpha that
+// follows the fit is another place on its axis.
 std::vector<double> ByAlpha(const JointResult& result, const TrustReport& report) {
   const QuantityTrust* alpha = FindQuantity(report, "alpha");
   if (alpha == nullptr || result.setup.axis_follows_alpha) return {};
@@ -105,6 +105,18 @@ std::vector<double> ByAlpha(const JointResult& result, const TrustReport& report
   for (std::size_t k = 0; k < moved_Ohm.size(); ++k)
     moved_Ohm[k] = 0.5 * std::abs(moved_Ohm[k] - back_Ohm[k]);
   return moved_Ohm;
+}
+
+// And what the fast modes leave.
+std::vector<double> BesideTheFit(const JointResult& result,
+                                 const TrustReport& report,
+                                 const PulseQuestion& question) {
+  std::vector<double> beside_Ohm =
+      LeftOfFastModes(result.choice.best, result.setup, result.logs.typical_A, question);
+  const std::vector<double> moved_Ohm = ByAlpha(result, report);
+  for (std::size_t k = 0; k < moved_Ohm.size(); ++k)
+    beside_Ohm[k] = std::hypot(beside_Ohm[k], moved_Ohm[k]);
+  return beside_Ohm;
 }
 
 }  // namespace
@@ -155,7 +167,7 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   }
   with_held.drawn.insert(with_held.drawn.end(), pulses.begin(), pulses.end());
   TrustReport report = AssessTrust(fit.logs, fit.penalty, quantities, with_held);
-  TakePulseResistances(resistances(best), question, report, ByAlpha(result, report));
+  TakePulseResistances(resistances(best), question, report, BesideTheFit(result, report, question));
   return report;
 }
 

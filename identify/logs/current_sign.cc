@@ -228,6 +228,28 @@ Edges LookAtEdges(const Look& look) {
   return edges;
 }
 
+// What the noise makes of a load that is steady on the whole, where it is more than any change that is looked for:
+// such edges say nothing. 0 where the load changes by more than its noise.
+double EdgesOfNoise(const Look& look) {
+  constexpr double kSteady = 0.25;  // of the mean load
+  constexpr double kOfNoise = 1.3;  // that from row to row
+  constexpr double kOfLoad = 0.7;   // what is more switches it on or off
+  double count = 0.0;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (std::size_t k = 1; k < look.size(); ++k) {
+    if (!look.GoesOn(k)) continue;
+    count += 1.0;
+    sum += std::abs(look.load[k]);
+    squares += look.load[k] * look.load[k];
+  }
+  const double mean = sum / std::max(count, 1.0);
+  const double scatter = std::sqrt(std::max(0.0, squares / std::max(count, 1.0) - mean * mean));
+  const double noise = std::max(look.noise, look.noise_of_load * mean);
+  const bool steady = scatter < kSteady * mean && scatter < kOfNoise * noise;
+  return steady ? std::min(kBeyondNoise * noise, kOfLoad * mean) : 0.0;
+}
+
 // The charge that each row stands for, as a share of all that moved; none at rest. Empty where no
 // charge moved.
 std::vector<double> SharesOfCharge(const Look& look) {
@@ -473,7 +495,9 @@ SignFinding FindSignFromPhysics(const Record& record) {
     // the same: then it is a recovery under a lighter load.
     against = std::max(0.0, -side * flow.evidence);
     double edges_in_rise = 0.0;
+    const double of_noise = EdgesOfNoise(look);
     for (const Edge& edge : edges.all) {
+      if (std::abs(edge.di) < of_noise) continue;
       const double says = edge.Of(side * edges.drop_V);
       against += std::max(0.0, -says);
       if (edge.row >= flow.rise_from && edge.row < flow.rise_to) edges_in_rise += says;

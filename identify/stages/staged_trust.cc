@@ -23,7 +23,10 @@ TrustReport AssessStaged(const VoltageSweep& sweep,
       options.drawn.push_back(std::move(one));
   }
   TrustReport report = AssessTrust(at.logs, at.penalty, at.quantities, options);
-  TakePulseResistances(PulseResistancesOf(fit.solution, setup, 1.0, question), question, report);
+  TakePulseResistances(PulseResistancesOf(fit.solution, setup, 1.0, question),
+                       question,
+                       report,
+                       LeftOfFastModes(fit.solution, setup, 1.0, question));
 
   if (times) {
     constexpr double kUnknowns = 2.0;  // alpha and the lag of (4.53)

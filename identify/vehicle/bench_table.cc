@@ -115,6 +115,12 @@ bool Has(const std::string& name, std::string_view part) {
   return name.find(part) != std::string::npos;
 }
 
+// No more than that word, in one or many.
+bool IsCalled(const Column& column, const std::string& name) {
+  return name == column.what || name == fmt::format("{}s", column.what) ||
+         std::find(column.begins.begin(), column.begins.end(), name) != column.begins.end();
+}
+
 // "Motor Optical Speed (RPM)", "Prop RPM", "krpm": a speed, and not of the air.
 bool NamesASpeed(const std::string& name) {
   return (Has(name, "rpm") || Has(name, "speed")) && !Has(name, "air") && !Has(name, "wind");
@@ -124,13 +130,19 @@ std::optional<Found> Find(const Column& column,
                           const std::vector<TextCell>& header,
                           const std::string& file,
                           std::size_t line) {
-  const bool begins = std::any_of(header.begin(), header.end(), [&](const TextCell& cell) {
-    return BeginsLike(column, Split(cell.text).name);
-  });
+  const auto any = [&](auto&& named) {
+    return std::any_of(header.begin(), header.end(), [&](const TextCell& cell) {
+      return named(column, Split(cell.text).name);
+    });
+  };
+  // "Current (A)" before "Current limit (A)", and "Thrust efficiency (g/W)" is none.
+  const bool called = any(IsCalled);
+  const bool begins = any(BeginsLike);
   const TextCell* electrical = nullptr;  // of a speed, refused where there is no other
   for (std::size_t field = 0; field < header.size(); ++field) {
     Header found = Split(header[field].text);
-    const bool named = begins
+    const bool named = called ? IsCalled(column, found.name)
+                       : begins
                            ? BeginsLike(column, found.name)
                            : column.member == &BenchRow::speed_rad_per_s && NamesASpeed(found.name);
     if (!named) continue;
@@ -184,6 +196,35 @@ void CheckRow(const BenchRow& row, bool has_speed, const std::string& file, std:
   }
 }
 
+// Of more power comes more thrust, whatever the voltage. Half as much is a slip of the pen, or a dot for thousands.
+void RefuseFallingThrust(const std::vector<BenchRow>& rows,
+                         const std::vector<std::size_t>& lines,
+                         const std::string& file) {
+  constexpr double kMore = 1.1;
+  constexpr double kLess = 0.5;
+  constexpr double kDot = 0.01;
+  for (std::size_t b = 0; b < rows.size(); ++b) {
+    for (std::size_t a = 0; a < rows.size(); ++a) {
+      const double more = rows[b].voltage_V * rows[b].current_A;
+      const double less = rows[a].voltage_V * rows[a].current_A;
+      if (more < kMore * less || rows[b].thrust_N > kLess * rows[a].thrust_N) continue;
+      throw LoadError(
+          {file, lines[b], 1},
+          fmt::format(
+              "expected a thrust that grows with the power, found {:.4g} N at {:.4g} W, and {:.4g} N at "
+              "{:.4g} W in line {}: {}",
+              rows[b].thrust_N,
+              more,
+              rows[a].thrust_N,
+              less,
+              lines[a],
+              rows[b].thrust_N < kDot * rows[a].thrust_N
+                  ? "is that a dot for thousands (1.040 for 1040)?"
+                  : "one of the two is not what was measured"));
+    }
+  }
+}
+
 // Of a motor that pulls more, the current grows and the battery's voltage falls. Of rows at several
 // voltages, some pair does as a motor does.
 void RefuseExchanged(const std::vector<BenchRow>& rows, const std::string& file) {
@@ -224,6 +265,7 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
   std::size_t fields = 0;
   char delimiter = ',';
   std::size_t line = 0;
+  std::vector<std::size_t> lines;  // of the rows
   std::size_t standing = 0;
   std::size_t copies = 0;
   for (std::size_t begin = 0; begin < text.size();) {
@@ -261,7 +303,8 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
       const TextCell& cell = cells[found[k]->field];
       double value = 0.0;
       std::string_view number = Trimmed(cell.text);
-      if (number.ends_with('%')) number.remove_suffix(1);
+      const bool percent = number.ends_with('%');
+      if (percent) number.remove_suffix(1);
       const bool read = ParseNumber(Trimmed(number), '.', value) ||
                         (delimiter != ',' && ParseNumber(Trimmed(number), ',', value));
       if (!read || !std::isfinite(value)) {
@@ -270,6 +313,7 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
             fmt::format("{}: expected a number, found '{}'", kColumns[k].what, cell.text));
       }
       row.*kColumns[k].member = (value - found[k]->unit.offset) * found[k]->unit.factor;
+      if (percent && found[k]->unit.name.empty()) row.*kColumns[k].member *= 0.01;
     }
     if (row.throttle >= 0.0 && row.thrust_N == 0.0 && row.speed_rad_per_s == 0.0) {
       ++standing;
@@ -281,6 +325,7 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
       continue;
     }
     table.rows.push_back(row);
+    lines.push_back(line);
   }
   const auto remark = [&](std::size_t rows, std::string_view what) {
     if (rows == 0) return;
@@ -298,6 +343,7 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
                                 table.rows.size()));
   }
   RefuseExchanged(table.rows, file);
+  RefuseFallingThrust(table.rows, lines, file);
   return table;
 }
 

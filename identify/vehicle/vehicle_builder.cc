@@ -1,6 +1,7 @@
 #include "identify/vehicle/vehicle_builder.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -416,10 +417,9 @@ class Draft {
     const double worst = std::max({bench_->speed_rms, bench_->current_rms, bench_->thrust_rms});
     if (worst > kPoor) {
       draft_.cautions.push_back(fmt::format(
-          "the fit is off by {:.2g} % on the mean (speed {:.2g} %, current {:.2g} %, thrust {:.2g} "
-          "%): {}",
+          "the fit is off by {:.2g} % on the mean ({}current {:.2g} %, thrust {:.2g} %): {}",
           100.0 * worst,
-          100.0 * bench_->speed_rms,
+          bench_->has_speed ? fmt::format("speed {:.2g} %, ", 100.0 * bench_->speed_rms) : "",
           100.0 * bench_->current_rms,
           100.0 * bench_->thrust_rms,
           bench_->has_speed
@@ -465,16 +465,23 @@ class Draft {
     const double most_N = v.total_thrust_coefficient_N_s2() * fastest * fastest;
     draft_.thrust_to_weight = most_N / weight_N;
     if (draft_.thrust_to_weight <= 1.0) {
+      constexpr double kLeastStall_A = 1.0;  // the smallest motors that lift a vehicle take several
       throw OptionError(fmt::format(
           "this vehicle cannot hover: at {:.3g} V ({} cells of {} V) its {} rotors give at most "
-          "{:.3g} N, and it weighs {:.3g} N. Give more cells, larger propellers, another KV or less "
-          "mass",
+          "{:.3g} N, and it weighs {:.3g} N. {}",
           voltage_V,
           n_.series_cells,
           kMiddle_V,
           v.rotor_count(),
           most_N,
-          weight_N));
+          weight_N,
+          voltage_V < v.armature_resistance_Ohm * kLeastStall_A
+              ? fmt::format(
+                    "Its motors would take {:.2g} A when they are held: is --winding-resistance-Ohm in mOhm?",
+                    voltage_V / v.armature_resistance_Ohm)
+          : draft_.cautions.empty()
+              ? "Give more cells, larger propellers, another KV or less mass"
+              : fmt::format("First see to this: {}", fmt::join(draft_.cautions, "; "))));
     }
     draft_.hover = HoverTrim(v, Supply<double>{voltage_V, 0.0});
     draft_.hover_power_W = draft_.hover.battery_V * draft_.hover.battery_A;

@@ -23,6 +23,13 @@ struct FlightPlan {
   /// When the vehicle should be at the place of each command; none where nobody expects it there.
   std::vector<double> arrivals_s = {};
 
+  /// All that is climbed until the end, m.
+  [[nodiscard]] double Climb_m() const {
+    double up_m = 0.0;
+    for (std::size_t k = 1; k < commands.size() && commands[k].time_s < duration_s; ++k)
+      up_m += std::max(0.0, commands[k].command.altitude_m - commands[k - 1].command.altitude_m);
+    return up_m;
+  }
   /// Times at which the commanded altitude changes.
   [[nodiscard]] std::vector<double> AltitudeSteps() const {
     std::vector<double> steps;

@@ -116,6 +116,7 @@ Json FlightToJson(const FlightResult& flight) {
                   {"largest_position_error_m", NumberOrNull(flight.largest_position_error_m)},
                   {"fastest_m_per_s", NumberOrNull(flight.fastest_m_per_s)},
                   {"waypoint_distance_m", flight.waypoint_distance_m},
+                  {"waypoint_heading_error_rad", flight.waypoint_heading_error_rad},
                   {"charge_C", NumberOrNull(flight.charge_C)},
                   {"final_voltage_V", NumberOrNull(flight.final_voltage_V)},
                   {"final_soc", NumberOrNull(flight.final_soc)},

@@ -63,7 +63,7 @@ struct FlyRequest {
       self.log_step_s,
       Range{kControlStep_s, 1e4},
       "seconds between rows of the flight log, a multiple of the control step; by default every "
-      "control step, and one second where the flight takes longer than ten minutes");
+      "control step, and 0.1 s where the flight takes longer than ten minutes");
     v("waypoints",
       self.waypoints,
       Word{"FILE"},
@@ -83,7 +83,7 @@ struct FlyRequest {
   /// OptionError for one that no whole number of control steps takes.
   [[nodiscard]] double LogStep_s(double duration_s_of_flight) const {
     constexpr double kLongFlight_s = 600.0;
-    constexpr double kLongFlightLogStep_s = 1.0;
+    constexpr double kLongFlightLogStep_s = 0.1;  // `health` counts its charge; 4 kB a second
     constexpr double kWhole = 1e-6;  // steps; what is left of a decimal number divided by 0.005
     if (log_step_s) {
       const double steps = *log_step_s / kControlStep_s;

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "model/core/counted.h"
 #include "model/core/errors.h"
@@ -29,6 +30,7 @@ constexpr double kWatched_s = 5.0;  // after each altitude step
 // A vehicle is at a place within it, and has lost a place when for so long it tilts as far as it may
 // and only gets further away. A gust that is overcome is shorter.
 constexpr double kAtPlace_m = 1.0;
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kLost_s = 5.0;
 constexpr double kAtLimit = 0.99;  // of the tilt, which its reference approaches
 constexpr double kHardestTouch_m_per_s = 1.5;
@@ -407,6 +409,8 @@ class Simulation {
       distances_m.push_back(std::hypot(x_[plant::kPosition] - place.x_m,
                                        x_[plant::kPosition + 1] - place.y_m,
                                        x_[plant::kPosition + 2] + place.altitude_m));
+      result_.waypoint_heading_error_rad.push_back(
+          std::abs(std::remainder(x_[plant::kAngles + 2] - place.yaw_rad, kTurn_rad)));
     }
   }
 
@@ -455,6 +459,17 @@ class Simulation {
           distances_m[worst],
           worst + 1));
     }
+    const auto& turns_rad = result_.waypoint_heading_error_rad;
+    const auto unturned = std::find_if(turns_rad.begin(), turns_rad.end(), [&](const double& left) {
+      return NotTurned(static_cast<std::size_t>(&left - turns_rad.data()));
+    });
+    if (unturned != turns_rad.end()) {
+      reasons.push_back(fmt::format(
+          "it had not turned: {:.3g} degrees were left to the heading of waypoint {} at the end of its stay. Give "
+          "a longer stay_s, or a smaller turn",
+          *unturned * kDegrees,
+          unturned - turns_rad.begin() + 1));
+    }
     if (reasons.empty()) return;
     if (!result_.reason.empty()) reasons.insert(reasons.begin(), result_.reason);
     if (result_.outcome == Outcome::kCompleted) result_.outcome = Outcome::kOffCourse;
@@ -472,6 +487,14 @@ class Simulation {
       if (way_m > 0.0) reach_m = std::min(reach_m, 0.5 * way_m);
     }
     return result_.waypoint_distance_m[k] > reach_m;
+  }
+
+  // The heading that an estimator takes drifts: what counts is a turn of which more than half is left.
+  [[nodiscard]] bool NotTurned(std::size_t k) const {
+    if (k == 0) return false;
+    const double turn_rad = std::abs(std::remainder(
+        plan_.commands[k].command.yaw_rad - plan_.commands[k - 1].command.yaw_rad, kTurn_rad));
+    return turn_rad > kTurn_rad / 36.0 && result_.waypoint_heading_error_rad[k] > 0.5 * turn_rad;
   }
 
   void End(Outcome outcome, std::string reason) {

@@ -130,6 +130,8 @@ struct FlightResult {
   double fastest_reference_m_per_s = std::numeric_limits<double>::quiet_NaN();
   /// Of each waypoint whose stay was flown: how far the vehicle was from it at the end of the stay.
   std::vector<double> waypoint_distance_m;
+  /// And how far its heading was from the commanded one, 0 to pi.
+  std::vector<double> waypoint_heading_error_rad;
   double charge_C = 0.0;
   double final_voltage_V = 0.0;
   double minimum_voltage_V = 0.0;

@@ -25,7 +25,7 @@ struct RotorWork {
   double thrust_N_s2;  // over the square of the speed
   double torque_N_m_s2;
   double radius_m = 0.0;      // 0: not known
-  double area_m2 = 0.0;       // of all disks
+  double area_m2 = 0.0;       // A
   double inflow = 0.0;        // lambda in hover, v_i/(omega R)
   double profile_W_s3 = 0.0;  // p
 };
@@ -44,10 +44,9 @@ RotorWork RotorsIn(const Vehicle& vehicle, const LevelFlightOptions& options) {
   RotorWork rotors =
       RotorsWithoutTheory(vehicle, options.air_density_kg_per_m3 / kSeaLevelDensity_kg_per_m3);
   if (vehicle.propeller_diameter_m <= 0.0) return rotors;
-  const auto& all = RotorsOf(vehicle.layout);
-  const auto disks = static_cast<double>(
-      std::count_if(all.begin(), all.end(), [](const Rotor& rotor) { return !rotor.lower; }));
   rotors.radius_m = 0.5 * vehicle.propeller_diameter_m;
+  const double thrusts = vehicle.SumsOverRotors().thrust;  // of a single rotor
+  const double disks = thrusts * thrusts * thrusts / (rotors.count * rotors.count);
   rotors.area_m2 = disks * std::numbers::pi * rotors.radius_m * rotors.radius_m;
   rotors.inflow =
       std::sqrt(rotors.thrust_N_s2 / (2.0 * options.air_density_kg_per_m3 * rotors.area_m2)) /

@@ -16,9 +16,11 @@
 ///   T = c (theta (omega² R² + L V² cos² alpha) - (V sin alpha + v_i) omega R)  thrust, by omega
 ///   P = D V + kappa T v_i + p omega³ (1 + K mu²),  mu = V cos alpha/(omega R)  shaft power
 ///
-/// A is the area of all disks, those of a coaxial pair once. theta, the inflow at which a rotor has no
-/// thrust, is that of hover over `hover_inflow_share`; c and p make both laws those of the vehicle
-/// file in hover. The file's coefficients are taken at 1.225 kg/m³.
+/// A is the area of all disks. Of coaxial pairs, whose lower rotors have less thrust at the same speed and
+/// torque, it is the smaller one at which the flow asks for as much power as through the disks of the same
+/// rotors apart: what the file says that a pair loses is induced power, and the blades' drag is that of single
+/// rotors. theta, the inflow at which a rotor has no thrust, is that of hover over `hover_inflow_share`; c
+/// and p make both laws those of the vehicle file in hover. The file's coefficients are taken at 1.225 kg/m³.
 ///
 /// Valid for level flight of fixed-pitch rotors up to mu = 0.35 (beyond, the retreating blade stalls),
 /// with the rotors' wakes apart from each other. Tests: tests/model/vehicle/level_flight_test.cc.

@@ -378,8 +378,29 @@ TEST(EnduranceCommand, CruiseSaysTheBestSpeeds) {
   EXPECT_NE(run.err.find("propeller_diameter_m"), std::string::npos) << run.err;
 }
 
+// The pack's label is not what this cell gives.
+TEST(EnduranceCommand, SaysHowMuchOfItsNominalCapacityACellGives) {
+  const auto flown = [](const std::string& cell) {
+    return RunLipoid(
+        TestFolder(),
+        {"endurance", "--vehicle", "f450", "--cell", cell, "--capacity-Ah", "5", "--series", "4"});
+  };
+  const auto said = flown("gifi-600mAh-1").err;  // alpha is 1353.6 C, of 0.6 Ah
+  EXPECT_NE(
+      said.find(
+          "gives 62.7 % of its nominal capacity, and so a cell of 5 Ah is taken to give 3.13 Ah: of "
+          "one that gives 5 Ah, say --capacity-Ah 7.98"),
+      std::string::npos)
+      << said;
+  EXPECT_EQ(flown("grepow-32Ah-1").err.find("nominal"), std::string::npos);
+}
+
 TEST(EnduranceCommand, TablesGoOverAQuantity) {
   const auto folder = TestFolder();
+  const auto printed = RunLipoid(
+      folder,
+      {"endurance", "--vehicle", "f450", "--cell", "gifi-600mAh-1", "--over", "payload-g=0,300"});
+  EXPECT_EQ(printed.out.find("95 %"), std::string::npos) << printed.out;
   const auto summary = SummaryOf(
       folder, {"--vehicle", "mambo-physical", "--cell", kCell, "--over", "payload-g=0:5:10"});
   const auto& rows = summary.at("over").at("rows");

@@ -254,6 +254,38 @@ TEST(Fly, WaypointsThatWereMissedAreSaidFirst) {
   EXPECT_GT(summary.at("waypoint_distance_m")[1], 150.0);
 }
 
+// A turn takes its time; and nobody pays for the height.
+TEST(Fly, SaysThatItHadNotTurnedAndWhatAClimbLeavesOut) {
+  const auto folder = TestFolder();
+  const auto fly = [&](double yaw_deg, double stay_s) {
+    std::ofstream(folder + "/turn.toml")
+        << "[[waypoint]]\naltitude_m = 1\n[[waypoint]]\naltitude_m = 1\nyaw_deg = " << yaw_deg
+        << "\nstay_s = " << stay_s << '\n';
+    return RunLipoid(folder,
+                     {"fly", "waypoints", "--waypoints", "turn.toml", "--summary", "s.json"});
+  };
+  const auto hasty = fly(170.0, 0.1);
+  EXPECT_EQ(hasty.exit_code, 1);
+  EXPECT_TRUE(hasty.out.starts_with("Off course: it had not turned: 1")) << hasty.out;
+  EXPECT_NE(hasty.out.find("degrees from its heading then"), std::string::npos) << hasty.out;
+  const auto errors_rad = ReadJson(folder, "s.json").at("waypoint_heading_error_rad");
+  ASSERT_EQ(errors_rad.size(), 2U);
+  EXPECT_LT(errors_rad[0], 1e-3);
+  EXPECT_GT(errors_rad[1], 2.0);
+  const auto turned = fly(170.0, 30.0);
+  EXPECT_EQ(turned.exit_code, 0) << turned.out;
+  EXPECT_LT(ReadJson(folder, "s.json").at("waypoint_heading_error_rad")[1], 0.02);
+  EXPECT_EQ(turned.err.find("climb"), std::string::npos) << turned.err;
+
+  WriteText(folder + "/up.toml",
+            "[[waypoint]]\naltitude_m = 1\n[[waypoint]]\naltitude_m = 21\nstay_s = 30\n"
+            "[[waypoint]]\naltitude_m = 1\nstay_s = 30\n");
+  const auto up = RunLipoid(folder, {"fly", "waypoints", "--waypoints", "up.toml"});
+  const double energy_Wh = 0.063 * 9.81 * 20.0 / 3600.0;  // of a Mambo of 63 g
+  const auto said = fmt::format("the 20 m up of this flight take {:.2g}", energy_Wh);
+  EXPECT_NE(up.err.find(said), std::string::npos) << said << '\n' << up.err;
+}
+
 TEST(Fly, AFlightThatEndsBeforeItsWaypointsSaysSo) {
   const auto folder = TestFolder();
   WriteText(folder + "/near.toml",

@@ -570,8 +570,8 @@ TEST(NothingLost, ALongFlightIsLoggedThinly) {
     return std::pair(std::count(text.begin(), text.end(), '\n') - 1, run.err);
   };
   const auto [thin, said] = rows({"--duration", "601"});
-  EXPECT_EQ(thin, 601);
-  EXPECT_NE(said.find("f.csv: a row each 1 s of a long flight; --log-step-s 0.005 writes every "
+  EXPECT_EQ(thin, 6010);
+  EXPECT_NE(said.find("f.csv: a row each 0.1 s of a long flight; --log-step-s 0.005 writes every "
                       "control step"),
             std::string::npos)
       << said;

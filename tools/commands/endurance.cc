@@ -145,14 +145,11 @@ Over ReadOver(const std::string& text) {
 
 // The table of --over; its rows for the summary.
 Json PrintOver(cli::CommandLine& line, const EnduranceRequest& request, const Over& over) {
-  cli::TextTable table({{std::string(over.variable->name)},
-                        {"minutes"},
-                        {"95 % from"},
-                        {"to"},
-                        {"landing / V"},
-                        {"rested / V"},
-                        {"ended by", Align::kLeft}},
-                       fmt::format("Endurance over {}.", over.variable->name));
+  const bool intervals = request.uncertain();
+  std::vector<cli::TextTable::Column> columns{{std::string(over.variable->name)}, {"minutes"}};
+  if (intervals) columns.insert(columns.end(), {{"95 % from"}, {"to"}});
+  columns.insert(columns.end(), {{"landing / V"}, {"rested / V"}, {"ended by", Align::kLeft}});
+  cli::TextTable table(columns, fmt::format("Endurance over {}.", over.variable->name));
   Json rows = Json::array();
   for (std::size_t k = 0; k < over.values.size(); ++k) {
     line.progress().Update(static_cast<double>(k) / static_cast<double>(over.values.size()),
@@ -161,13 +158,17 @@ Json PrintOver(cli::CommandLine& line, const EnduranceRequest& request, const Ov
     over.variable->of(row).value = over.variable->unit * over.values[k];
     const EnduranceAnswer answer = FindEndurance(row);
     const auto interval = IntervalOf(answer, EnduranceNumbers().front());
-    table.Row({fmt::format("{:g}", over.values[k]),
-               Significant(answer.estimate.time_s / 60.0),
-               interval ? Significant(interval->first) : "",
-               interval ? Significant(interval->second) : "",
-               Significant(answer.estimate.landing_voltage_V),
-               Significant(answer.estimate.landing_rest_voltage_V),
-               options_internal::ToText(answer.estimate.ended_by)});
+    std::vector<std::string> cells{fmt::format("{:g}", over.values[k]),
+                                   Significant(answer.estimate.time_s / 60.0)};
+    if (intervals) {
+      cells.push_back(interval ? Significant(interval->first) : "");
+      cells.push_back(interval ? Significant(interval->second) : "");
+    }
+    cells.insert(cells.end(),
+                 {Significant(answer.estimate.landing_voltage_V),
+                  Significant(answer.estimate.landing_rest_voltage_V),
+                  options_internal::ToText(answer.estimate.ended_by)});
+    table.Row(std::move(cells));
     Json numbers = EnduranceNumbersToJson(answer);
     numbers["value"] = over.values[k];
     rows.push_back(std::move(numbers));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
@@ -71,6 +72,9 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
     row(fmt::format("waypoint {}", k + 1),
         Significant(flight.waypoint_distance_m[k]),
         "m away at the end of its stay");
+    constexpr double kSeen_degrees = 1.0;
+    const double degrees = flight.waypoint_heading_error_rad[k] * 180.0 / std::numbers::pi;
+    if (degrees > kSeen_degrees) row("", Significant(degrees), "degrees from its heading then");
   }
   for (std::size_t k = 0; k < flight.peak_altitude_error_m.size(); ++k) {
     row(fmt::format("peak after step {}", k + 1),
@@ -252,6 +256,14 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   request.duration_s = asked.duration_s;
   FlightPlan plan = maneuver.plan(request);
   if (asked.duration_s) plan.duration_s = *asked.duration_s;
+  constexpr double kFelt_m = 10.0;
+  if (const double up_m = plan.Climb_m(); up_m >= kFelt_m) {
+    line.Message(
+        "a climb costs no more than a hover here: the {:.4g} m up of this flight take {:.3g} Wh more of the "
+        "battery at least",
+        up_m,
+        setup.vehicle.mass_kg * kGravity_m_per_s2 * up_m / 3600.0);
+  }
   const double step_s = asked.LogStep_s(plan.duration_s);
   if (maneuver.changes && plan.commands.size() == 1) {
     line.Message(

@@ -174,7 +174,7 @@ Json BenchToJson(const BenchFit& fit) {
   return {{"converged", fit.converged},
           {"message", fit.message},
           {"degrees_of_freedom", fit.degrees_of_freedom},
-          {"speed_rms_percent", 100.0 * fit.speed_rms},
+          {"speed_rms_percent", fit.has_speed ? Json(100.0 * fit.speed_rms) : Json(nullptr)},
           {"current_rms_percent", 100.0 * fit.current_rms},
           {"thrust_rms_percent", 100.0 * fit.thrust_rms},
           {"parameters", std::move(parameters)}};
@@ -182,7 +182,8 @@ Json BenchToJson(const BenchFit& fit) {
 
 void Report(cli::CommandLine& line, const VehicleDraft& draft, const std::optional<BenchFit>& fit) {
   const Trim& hover = draft.hover;
-  cli::TextTable table({{"hover", cli::Align::kLeft}, {"value"}, {"unit", cli::Align::kLeft}});
+  cli::TextTable table({{"hover", cli::Align::kLeft}, {"value"}, {"unit", cli::Align::kLeft}},
+                       fmt::format("Hover of {}.", draft.vehicle.name));
   table.Row({"battery", cli::Significant(hover.battery_V), "V"});
   table.Row({"current of the battery", cli::Significant(hover.battery_A), "A"});
   table.Row({"power of the battery", cli::Significant(draft.hover_power_W), "W"});

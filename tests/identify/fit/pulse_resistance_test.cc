@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "identify/identification.h"
 #include "identify/logs/load_campaign.h"
 #include "model/battery/cell_file.h"
@@ -86,6 +88,30 @@ TEST(PulseResistance, IsThatOfTheCellFileWhereAlphaIsSearched) {
   EXPECT_GT(std::abs(found.joint->alpha_C / found.joint->setup.alpha_C - 1.0), 1e-4);
   for (const PulseResistance& r : found.trust.resistance)
     EXPECT_NEAR(r.resistance_Ohm, Simulated(found.cell, r), 1e-4 * r.resistance_Ohm) << r.after_s;
+}
+
+// Ten modes of a slow diffusion, and rows that see the next of 1.1 s at its steady value alone: the resistance after
+// 1 s comes out too large, and says that it is known no better.
+TEST(PulseResistance, OfASecondIsDoubtedWhereFasterModesAreStillMoving) {
+  Cell truth = Truth();
+  truth.diffusion->beta_per_sqrt_s = 0.085;
+  truth.diffusion->terms = 200;
+  const auto logs = test::SyntheticLogs(truth, 10.0, 0.0002);
+  const Identification found =
+      Identify(test::CampaignOf(logs), logs, {.method = IdentifyMethod::kJoint});
+  ASSERT_EQ(found.trust.resistance.size(), 3U);
+  for (const PulseResistance& r : found.trust.resistance) {
+    const double is_Ohm = Simulated(truth, r);
+    EXPECT_LE(r.low_Ohm, is_Ohm) << r.after_s;
+    EXPECT_GE(r.high_Ohm, is_Ohm) << r.after_s;
+    if (r.after_s > 1.0) {
+      EXPECT_LT(r.high_Ohm, 1.05 * r.low_Ohm) << r.after_s;
+    }
+  }
+  const auto& said = found.joint->cautions;
+  EXPECT_TRUE(std::any_of(said.begin(), said.end(), [](const std::string& one) {
+    return one.find("is slower than the resistance after 1 s asks for") != std::string::npos;
+  }));
 }
 
 // Each coloured noise its own: 40 campaigns, three intervals each, those of one campaign alike.

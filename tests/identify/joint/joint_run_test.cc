@@ -452,6 +452,17 @@ TEST(JointRun, WithoutDiffusionThereIsNoBeta) {
   EXPECT_NEAR(*CellParameter(result.cell, "tau_1"), 45.0, 1.0);
 }
 
+// A bound that somebody gave is no word of the logs.
+TEST(JointRun, SaysWhoseLimitBetaStandsAt) {
+  const Cell truth = TruthOf();
+  StagedGiven given;
+  given.parameters.bounds["beta"] = {0.05, 0.8 * truth.diffusion->beta_per_sqrt_s};
+  const auto said = Identify(test::SyntheticLogs(truth, 5.0, kSmallNoise_V), given).cautions;
+  EXPECT_TRUE(OneSays(said, "beta is at the limit that --bounds gives it"))
+      << testing::PrintToString(said);
+  EXPECT_FALSE(OneSays(said, "no diffusion"));
+}
+
 // Held at its limit, beta took half a percent of r_s.
 TEST(JointRun, DiffusionThatNoLogShowsIsLeftOut) {
   Cell truth = TruthOf();

@@ -410,8 +410,9 @@ TEST(PulseFit, SaysWhatIsWrongWithWhatItIsTold) {
   };
   EXPECT_EQ(message({.fixed = {{"r_2", 0.1}}}),
             "--fix: no parameter 'r_2' in this fit; there are beta, r_s, r_1, tau_1, c_1");
-  EXPECT_EQ(message({.start = {{"alpha", 0.1}}}, 0),
-            "--start: no parameter 'alpha' in this fit; there are beta, r_s");
+  EXPECT_EQ(
+      message({.start = {{"alpha", 0.1}}}, 0),
+      "--start: no parameter 'alpha' in this fit; there are beta, r_s, and --alpha-C gives alpha");
   EXPECT_EQ(message({.bounds = {{"R_s", {0.0, 1.0}}}}, 2),
             "--bounds: no parameter 'R_s' in this fit; there are beta, r_s, r_1, r_2, tau_1, "
             "tau_2, c_1, c_2");

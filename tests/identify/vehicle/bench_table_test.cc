@@ -129,6 +129,39 @@ TEST(BenchTable, ASpeedIsFoundBehindOtherWords) {
   }
 }
 
+TEST(BenchTable, AColumnIsTheOneThatIsCalledSo) {
+  const auto table = ParseBenchTable(
+      "Throttle,Thrust efficiency (g/W),Voltage nominal (V),Voltage(V),Current limit (A),Current(A),Thrust(g)\n"
+      "50%,7.8,14.8,16.66,40,3.09,401\n60%,6.6,14.8,16.61,40,4.80,529\n80%,5.3,14.8,16.48,40,9.05,787\n"
+      "100%,4.4,14.8,16.32,40,14.26,1024\n",
+      "b.csv");
+  ASSERT_EQ(table.rows.size(), 4u);
+  EXPECT_EQ(table.rows[0].throttle, 0.5);  // the cells have the unit
+  EXPECT_EQ(table.rows[0].voltage_V, 16.66);
+  EXPECT_EQ(table.rows[3].current_A, 14.26);
+  EXPECT_DOUBLE_EQ(table.rows[0].thrust_N, 0.401 * 9.80665);
+  // Where there is none, one that begins so.
+  EXPECT_EQ(ParseBenchTable("throttle (%),Voltage loaded (V),Current mean (A),Thrust static (g)\n"
+                            "50,16,3,400\n60,16,4,500\n70,16,5,600\n80,16,6,700\n",
+                            "b.csv")
+                .rows[1]
+                .current_A,
+            4.0);
+}
+
+// Both were told as a vehicle that wants larger propellers.
+TEST(BenchTable, ThrustGrowsWithThePower) {
+  const std::string header = "throttle (%),voltage (V),current (A),thrust (g)\n";
+  EXPECT_EQ(
+      Refusal(header + "50,16,3,460\n60,16,5,690\n70,16,8,860\n80,16,10,1.040\n"),
+      "b.csv:5:1: error: expected a thrust that grows with the power, found 0.0102 N at 160 W, and 4.511 N "
+      "at 48 W in line 2: is that a dot for thousands (1.040 for 1040)?");
+  EXPECT_EQ(
+      Refusal(header + "50,16,3,460\n60,16,5,690\n70,16,8,86\n80,16,10,1040\n"),
+      "b.csv:4:1: error: expected a thrust that grows with the power, found 0.8434 N at 128 W, and 4.511 N "
+      "at 48 W in line 2: one of the two is not what was measured");
+}
+
 TEST(BenchTable, EveryMistakeHasItsPlace) {
   const std::string header = "throttle (%),voltage (V),current (A),thrust (g)\n";
   EXPECT_EQ(Refusal("throttle (%),voltage (V),thrust (g)\n"),
