@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "model/battery/typical_temperature.h"
 
@@ -55,6 +56,21 @@ void Enlarge(Cell& cell, double factor) {
   }
 }
 
+// The activation energy of diffusion that is taken where none was identified is one of 10 to 70 kJ/mol that cells have
+// (docs/joint.md): how fast diffusion becomes in a pack that warms decides what a flight takes for charge.
+void DoubtDiffusionEnergy(Cell& cell) {
+  if (!cell.diffusion) return;
+  constexpr double kSpread_J_per_mol = 20e3;
+  constexpr double kNormal = 1e6;  // degrees of freedom
+  if (!cell.uncertainty)
+    cell.uncertainty = {.parameters = {}, .covariance = {}, .degrees_of_freedom = kNormal};
+  Cell::Uncertainty& of = *cell.uncertainty;
+  for (std::vector<double>& row : of.covariance) row.push_back(0.0);
+  of.parameters.emplace_back("E_d");
+  of.covariance.emplace_back(of.parameters.size(), 0.0).back() =
+      kSpread_J_per_mol * kSpread_J_per_mol;
+}
+
 }  // namespace
 
 ReferenceCell MakeReference(const Cell& cell, int parallel, std::optional<double> capacity_Ah) {
@@ -82,6 +98,7 @@ ReferenceCell MakeReference(const Cell& cell, int parallel, std::optional<double
   if (!one.temperature) {
     one.capacity_Ah = one.alpha_C() / 3600.0;
     one = WithTypicalTemperature(std::move(one));
+    DoubtDiffusionEnergy(one);
   }
   if (reference.typical) {
     reference.spread.log_series = 1.5;

@@ -138,8 +138,11 @@ void RefuseUnknownCharge(const Record& record,
       fmt::format(
           "expected rows wherever a current flows, found {}: the state of charge after it is "
           "not known; read the part before it (end_s = {:.10g}), or the part after it "
-          "(start_s = {:.10g}) with its own initial_soc, or save the parts as files of their own",
+          "(start_s = {:.10g}) with its own initial_soc, or save the parts as files of their own (lipoid convert "
+          "--end-s {:.10g}, and --start-s {:.10g})",
           GapsText(gaps),
+          most.start_s,
+          most.start_s + most.length_s,
           most.start_s,
           most.start_s + most.length_s));
 }

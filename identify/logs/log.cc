@@ -300,10 +300,12 @@ void FinishLog(Log& log, const ReadOptions& options) {
   const std::size_t rows = log.report.rows + repeated;
   if (static_cast<double>(repeated) > kManyRepeated * static_cast<double>(rows)) {
     log.report.warnings.push_back(
-        fmt::format("{} of {} have the time of the row before and were left out: the clock is "
-                    "coarser than the rows; export the times with more digits",
+        fmt::format("{} of {} have the time of the row before and were left out: {}",
                     repeated,
-                    Counted(rows, "row")));
+                    Counted(rows, "row"),
+                    log.report.flight
+                        ? "the file may hold one flight twice"
+                        : "the clock is coarser than the rows; export the times with more digits"));
   }
   log.report.gaps = FindGaps(log.record);
   if (!log.report.gaps.empty())

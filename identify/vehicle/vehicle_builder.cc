@@ -479,7 +479,7 @@ class Draft {
               ? fmt::format(
                     "Its motors would take {:.2g} A when they are held: is --winding-resistance-Ohm in mOhm?",
                     voltage_V / v.armature_resistance_Ohm)
-          : draft_.cautions.empty()
+          : !bench_ || draft_.cautions.empty()
               ? "Give more cells, larger propellers, another KV or less mass"
               : fmt::format("First see to this: {}", fmt::join(draft_.cautions, "; "))));
     }

@@ -66,6 +66,14 @@ const BatteryTrack& Chosen(const SourcePosition& position,
                                 format.name,
                                 format.battery_message));
   }
+  for (std::size_t k = 1; k < with_rows.size(); ++k) {
+    if (with_rows[k]->number != with_rows[k - 1]->number) continue;
+    throw LoadError(
+        position,
+        fmt::format(
+            "expected one log, found {}: two logs were joined here; save each as a file of its own",
+            fmt::join(listed, ", ")));
+  }
   if (options.battery > 0) {
     for (const BatteryTrack& track : flight.batteries) {
       if (track.number == options.battery && track.size() > 0) return track;

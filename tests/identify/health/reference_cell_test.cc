@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "tests/support/synthetic_flight.h"
@@ -54,6 +58,29 @@ TEST(ReferenceCell, TheUncertaintyGrowsWithTheCell) {
                 1e-12 * grown[a] * grown[a])
         << cell.uncertainty->parameters[a];
   }
+}
+
+// What nobody measured may be another: flights look for the charge beside it.
+TEST(ReferenceCell, DoubtsAnEnergyOfDiffusionThatIsTaken) {
+  const auto spread_of = [](const Cell& cell) {
+    const auto& of = MakeReference(cell, 1, {}).cell.uncertainty;
+    if (!of) return 0.0;
+    const auto at = std::find(of->parameters.begin(), of->parameters.end(), "E_d");
+    if (at == of->parameters.end()) return 0.0;
+    const auto k = static_cast<std::size_t>(at - of->parameters.begin());
+    return std::sqrt(of->covariance[k][k]);
+  };
+  EXPECT_EQ(spread_of(LoadCell("gifi-600mAh-1")), 20e3);
+  Cell known = WithTypicalTemperature(NewFlightCell());
+  EXPECT_EQ(spread_of(known), 0.0);
+  // Beside what the reference says of its own error, which stays as it was.
+  Cell lab = NewFlightCell();
+  lab.uncertainty = {.parameters = {"alpha"}, .covariance = {{4.0}}, .degrees_of_freedom = 20.0};
+  EXPECT_EQ(spread_of(lab), 20e3);
+  const Cell::Uncertainty of = *MakeReference(lab, 1, {}).cell.uncertainty;
+  EXPECT_EQ(of.covariance[0], (std::vector<double>{4.0, 0.0}));
+  EXPECT_EQ(of.covariance[1][0], 0.0);
+  EXPECT_EQ(of.degrees_of_freedom, 20.0);
 }
 
 TEST(ReferenceCell, AssumedCurvesAreMarkedAndSpreadWider) {

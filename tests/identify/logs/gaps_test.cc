@@ -104,7 +104,7 @@ TEST(Gaps, OfUnknownChargeAreRefusedWithWhatCanBeRead) {
       "F:1:1: error: expected rows wherever a current flows, found a gap of 30 s after 100 s, "
       "in which up to 0.0167 Ah may have flowed: the state of charge after it is not known; "
       "read the part before it (end_s = 100), or the part after it (start_s = 130) with its "
-      "own initial_soc, or save the parts as files of their own");
+      "own initial_soc, or save the parts as files of their own (lipoid convert --end-s 100, and --start-s 130)");
   // Of 10 Ah these 60 C are less than two thousandths, of 5 Ah more.
   EXPECT_EQ(refuse(10.0), "no error");
   EXPECT_NE(refuse(5.0), "no error");

@@ -132,6 +132,13 @@ TEST(VehicleBuilder, RefusesWhatNoVehicleCanBe) {
   n.mass_g = 20000.0;
   EXPECT_EQ(Refusal(n).substr(0, 70),
             "this vehicle cannot hover: at 14.8 V (4 cells of 3.7 V) its 4 rotors g");
+  EXPECT_TRUE(Refusal(n).ends_with("Give more cells, larger propellers, another KV or less mass"));
+  n = Racer();
+  n.winding_resistance_Ohm = 60.0;
+  n.no_load_A = 0.1;
+  EXPECT_TRUE(Refusal(n).ends_with(
+      "Its motors would take 0.25 A when they are held: is --winding-resistance-Ohm in mOhm?"))
+      << Refusal(n);
   n = Racer();
   n.propeller_in = 7.0;
   EXPECT_EQ(Refusal(n),

@@ -183,6 +183,9 @@ TEST(FlightLog, RefusesWithTheReason) {
   EXPECT_EQ(Refusal(LogOf({Track(1), Track(2)})),
             "f.ulg:1:1: error: expected one battery, found battery 1 (4 rows, 11.9 V to 12.6 V), "
             "battery 2 (4 rows, 11.9 V to 12.6 V); say which with `battery` (--battery 1)");
+  EXPECT_EQ(Refusal(LogOf({Track(1), Track(1)})),
+            "f.ulg:1:1: error: expected one log, found battery 1 (4 rows, 11.9 V to 12.6 V), battery 1 (4 rows, "
+            "11.9 V to 12.6 V): two logs were joined here; save each as a file of its own");
   ReadOptions third;
   third.battery = 3;
   EXPECT_EQ(
