@@ -986,7 +986,8 @@ class JointRun {
         100.0 * change));
   }
 
-  // Beyond M of them modes count by their steady value, which is a resistance: rows must be no faster.
+  // Beyond M of them modes count by their steady value, which is a resistance: rows must be no faster,
+  // nor may a question be.
   void NameModesInTheTail() {
     const auto& diffusion = result_.cell.diffusion;
     if (!diffusion || !diffusion->tail) return;
