@@ -459,16 +459,15 @@ class Simulation {
           distances_m[worst],
           worst + 1));
     }
-    const auto& turns_rad = result_.waypoint_heading_error_rad;
-    const auto unturned = std::find_if(turns_rad.begin(), turns_rad.end(), [&](const double& left) {
-      return NotTurned(static_cast<std::size_t>(&left - turns_rad.data()));
-    });
-    if (unturned != turns_rad.end()) {
+    const auto& left_rad = result_.waypoint_heading_error_rad;
+    for (std::size_t k = 0; k < left_rad.size(); ++k) {
+      if (!NotTurned(k)) continue;
       reasons.push_back(fmt::format(
           "it had not turned: {:.3g} degrees were left to the heading of waypoint {} at the end of its stay. Give "
           "a longer stay_s, or a smaller turn",
-          *unturned * kDegrees,
-          unturned - turns_rad.begin() + 1));
+          left_rad[k] * kDegrees,
+          k + 1));
+      break;
     }
     if (reasons.empty()) return;
     if (!result_.reason.empty()) reasons.insert(reasons.begin(), result_.reason);
