@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kSummary = "inspect.json";
 // What results need beside the logs.
 constexpr std::uint64_t kSpareBytes = 64 << 20;
-constexpr std::size_t kMostBytesOfMessage = 8000;
+constexpr std::size_t kMostBytesOfReason = 8000;
 
 template <class E>
 std::string_view NameOf(E value) {
@@ -319,7 +319,7 @@ void Workbench::Inspect(const std::stop_token& stop) {
     } catch (const std::exception& error) {
       outcome.message = error.what();
     }
-    if (outcome.message.size() > kMostBytesOfMessage) outcome.message.resize(kMostBytesOfMessage);
+    if (outcome.message.size() > kMostBytesOfReason) outcome.message.resize(kMostBytesOfReason);
     return outcome;
   };
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kHover_A = 20.0;
 constexpr double kWaver_A = 6.0;
-constexpr std::size_t kTakeOff = 60;  // seconds
+constexpr std::size_t kTakeOff_s = 60;
 constexpr std::size_t kSeconds = 400;
 constexpr std::size_t kPerSecond = 20;
 
@@ -23,7 +23,7 @@ Record Fly(std::uint64_t seed) {
   Record record;
   for (std::size_t k = 0; k < kSeconds * kPerSecond; ++k) {
     record.time_s.push_back(static_cast<double>(k) / static_cast<double>(kPerSecond));
-    const bool flies = k >= kTakeOff * kPerSecond;
+    const bool flies = k >= kTakeOff_s * kPerSecond;
     record.current_A.push_back(flies ? kHover_A + kWaver_A * normal(engine) : 0.3);
   }
   record.hold = Hold::kForward;
