@@ -112,8 +112,8 @@ std::string FitQuality::Sentence(std::string_view what) const {
   return text;
 }
 
-void FitQuality::Doubt(std::string reason) {
-  grade = std::max(grade, FitGrade::kFair);
+void FitQuality::Doubt(std::string reason, FitGrade at_least) {
+  grade = std::max(grade, at_least);
   reasons.push_back(std::move(reason));
 }
 

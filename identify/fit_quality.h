@@ -62,8 +62,8 @@ struct FitQuality {
   std::vector<std::string> reasons;   ///< why it is no better; empty where it is good
   std::vector<EdgeGroup> edges = {};  ///< of all fitted logs together
 
-  /// Good becomes fair for this reason; worse keeps its own.
-  void Doubt(std::string reason);
+  /// Better becomes this for the reason; worse keeps its own.
+  void Doubt(std::string reason, FitGrade at_least = FitGrade::kFair);
 
   /// "predicts its own logs to 8.7 mV (0.19 %): good"
   [[nodiscard]] std::string Sentence(std::string_view what = "its own logs") const;

@@ -41,9 +41,10 @@ void AddUncertainty(Identification& found, bool soc_follows_alpha) {
 ExpectedError ExpectErrorOf(const JointLogs& logs,
                             const JointSetup& setup,
                             const GivenParameters& given,
-                            const JointSolution& solution) {
+                            const JointSolution& solution,
+                            const TrustReport& trust) {
   const JointObservations seen(logs, setup);
-  return ExpectError(JointFit(seen, given), logs, solution);
+  return ExpectError(JointFit(seen, given), logs, solution, trust);
 }
 
 Identification IdentifyByStages(const Campaign& campaign,
@@ -68,7 +69,8 @@ Identification IdentifyByStages(const Campaign& campaign,
                                            found.staged->fitted_kind);
     JointSolution solution = found.staged->pulses.solution;
     solution.x *= points.typical_A;
-    found.expected_error = ExpectErrorOf(points, setup, options.given.parameters, solution);
+    found.expected_error =
+        ExpectErrorOf(points, setup, options.given.parameters, solution, found.trust);
   }
   const bool curve_found = found.staged->open_circuit_voltage || found.staged->from_rests;
   AddUncertainty(found, curve_found && AllStartFull(logs));
@@ -96,8 +98,11 @@ Identification IdentifyAllAtOnce(const Campaign& campaign,
   found.cell = found.joint->cell;
   found.converged = found.joint->converged;
   found.trust = AssessJoint(*found.joint);
-  found.expected_error = ExpectErrorOf(
-      found.joint->logs, found.joint->setup, options.given.parameters, found.joint->choice.best);
+  found.expected_error = ExpectErrorOf(found.joint->logs,
+                                       found.joint->setup,
+                                       options.given.parameters,
+                                       found.joint->choice.best,
+                                       found.trust);
   AddUncertainty(found, SocFollowsAlpha(*found.joint));
   if (const auto& heat = found.joint->heat; heat && found.cell.uncertainty) {
     AddPair(*found.cell.uncertainty,
@@ -481,7 +486,8 @@ Identification Identify(const Campaign& campaign,
       found.quality.Doubt(std::move(doubt));
   }
   if (found.joint && !found.joint->alpha_doubt.empty())
-    found.quality.Doubt(found.joint->alpha_doubt);
+    found.quality.Doubt(found.joint->alpha_doubt,
+                        found.joint->alpha_not_found ? FitGrade::kPoor : FitGrade::kFair);
   if (const auto& held = options.given.reference) {
     if (const auto doubt = DoubtAboutFit(held->cell); !doubt.empty())
       found.log_notes.push_back(fmt::format("{}: {}", held->source, doubt));

@@ -81,6 +81,43 @@ std::pair<double, double> UnderLoad(const Record& record) {
   return {loaded_s, rows};
 }
 
+// By the currents that flowed, where the sensor was found to have an offset.
+LoadedLog AsFlowing(const JointResult& result, LoadedLog log) {
+  if (!result.choice.best.structure.current_offset) return log;
+  for (double& current_A : log.log.record.current_A)
+    current_A = result.choice.best.rates.Flowing(current_A);
+  return log;
+}
+
+// Every log by the cell itself, on all of its rows.
+void JudgeByCell(const Campaign& campaign,
+                 const std::vector<LoadedLog>& logs,
+                 JointResult& result) {
+  std::vector<LogErrors> errors(logs.size());
+  ParallelFor(logs.size(), [&](std::size_t l) {
+    const bool as_shown = !result.choice.best.structure.current_offset;
+    errors[l] = Validate(result.cell, as_shown ? logs[l] : AsFlowing(result, logs[l]));
+  });
+  result.fitted.clear();
+  result.validation.clear();
+  for (std::size_t l = 0; l < logs.size(); ++l) {
+    const bool fitted = logs[l].entry.kind != LogKind::kValidation;
+    (fitted ? result.fitted : result.validation).push_back(std::move(errors[l]));
+  }
+  if (campaign.cutoff_V) result.constant_current = ValidateConstantCurrents(result.cell, logs);
+}
+
+// The rms error of all rows that were fitted.
+double ErrorOfRows_V(const JointResult& result) {
+  double squares = 0.0;
+  double rows = 0.0;
+  for (const LogErrors& log : result.fitted) {
+    squares += static_cast<double>(log.all.rows) * log.all.rmse * log.all.rmse;
+    rows += static_cast<double>(log.all.rows);
+  }
+  return std::sqrt(squares / rows);
+}
+
 class JointRun {
  public:
   JointRun(const Campaign& campaign,
@@ -122,12 +159,12 @@ class JointRun {
     if (HasOffset()) {
       result_.least_alpha_C = 0.0;
       for (const LoadedLog& log : logs_) {
-        const LoadedLog flowing = AsFlowing(log);
+        const LoadedLog flowing = AsFlowing(result_, log);
         FindLeastAlpha(flowing, DeliveredCharge(flowing.log.record));
       }
     }
     MakeCell();
-    DoubtSmallAlpha();
+    DoubtAlpha();
     result_.held_curve = MoveOfHeldCurve(result_);
     Judge();
     NameCautions();
@@ -214,9 +251,16 @@ class JointRun {
   }
 
   // What a log delivers cannot be more than all.
-  void DoubtSmallAlpha() {
+  void DoubtAlpha() {
     constexpr double kMore = 1.01;  // errors of counting
     const double alpha_C = result_.cell.alpha_C();
+    result_.alpha_not_found = result_.choice.best.AtBound("alpha") && !known_.Bounds("alpha");
+    if (result_.alpha_not_found) {
+      result_.alpha_doubt = fmt::format(
+          "no charge was found by which these logs agree, and alpha, {:.4g} Ah, is only where the search for it ends: "
+          "look whether every initial_soc is a share of this cell's own charge",
+          alpha_C / 3600.0);
+    }
     if (!result_.alpha_doubt.empty() || result_.least_alpha_C <= kMore * alpha_C) return;
     result_.alpha_doubt = fmt::format(
         "alpha is {:.4g} Ah, and {} takes {:.4g} Ah out of {} above the cut-off: look whether every initial_soc is "
@@ -744,38 +788,14 @@ class JointRun {
   }
 
   [[nodiscard]] bool HasOffset() const { return result_.choice.best.structure.current_offset; }
-  // By the currents that flowed, where the sensor was found to have an offset.
-  [[nodiscard]] LoadedLog AsFlowing(LoadedLog log) const {
-    for (double& current_A : log.log.record.current_A)
-      current_A = result_.choice.best.rates.Flowing(current_A);
-    return log;
-  }
-  [[nodiscard]] LogErrors ValidateAsFlowing(const LoadedLog& log) const {
-    return Validate(result_.cell, HasOffset() ? AsFlowing(log) : log);
-  }
-
-  // Every log by the cell itself, on all of its rows; and by the staged cell beside it.
+  // Every log by the cell itself, and by the staged cell beside it.
   void Judge() {
     Tell("validation", 0.92);
-    std::vector<LogErrors> joint(logs_.size());
-    std::vector<LogErrors> before(logs_.size());
-    ParallelFor(2 * logs_.size(), [&](std::size_t task) {
-      const LoadedLog& log = logs_[task / 2];
-      const bool by_joint = task % 2 == 0;
-      if (!by_joint && log.entry.kind == LogKind::kValidation) return;
-      (by_joint ? joint : before)[task / 2] =
-          by_joint ? ValidateAsFlowing(log) : Validate(result_.staged.cell, log);
-    });
-    for (std::size_t l = 0; l < logs_.size(); ++l) {
-      if (logs_[l].entry.kind == LogKind::kValidation) {
-        result_.validation.push_back(std::move(joint[l]));
-      } else {
-        result_.fitted.push_back(std::move(joint[l]));
-        result_.fitted_staged.push_back(std::move(before[l]));
-      }
+    JudgeByCell(campaign_, logs_, result_);
+    for (const LoadedLog& log : logs_) {
+      if (log.entry.kind != LogKind::kValidation)
+        result_.fitted_staged.push_back(Validate(result_.staged.cell, log));
     }
-    if (campaign_.cutoff_V)
-      result_.constant_current = ValidateConstantCurrents(result_.cell, logs_);
   }
 
   // What a --fix says is not as in the reference.
@@ -1154,20 +1174,21 @@ JointResult IdentifyJoint(const Campaign& campaign,
     const auto warm = PredictTemperatures(taken.cell, logs);
     if (!warm) break;
     JointResult next = run(warm->logs);
-    const bool settled = !(next.rmse_V < kSettled * taken.rmse_V);
+    if (warm->assumed && next.cell.temperature && !next.cell.temperature->heat)
+      AssumeHeat(warm->by, next.cell);
+    // As warm as the cell itself says, which is what a user of its file gets.
+    JudgeByCell(campaign, logs, next);
+    const double error_V = ErrorOfRows_V(next);
+    const double before_V = ErrorOfRows_V(taken);
     next.wall_s += taken.wall_s;
-    if (next.rmse_V < taken.rmse_V) {
+    if (error_V < before_V) {
       warmed = warm->Predicted();
       taken = std::move(next);
-      if (warm->assumed && taken.cell.temperature) {
-        taken.cell.temperature->heat = warm->by;
-        taken.cell.heat_assumed = true;
-      }
     } else {
       taken.wall_s = next.wall_s;
       if (warmed.empty()) warmed = warm->NotTaken();
     }
-    if (settled) break;
+    if (!(error_V < kSettled * before_V)) break;
   }
   if (!warmed.empty()) taken.cautions.push_back(std::move(warmed));
   if (steady) {

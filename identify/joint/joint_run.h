@@ -32,6 +32,7 @@ struct JointResult {
   double alpha_C = 0.0;
   std::string alpha_source;              ///< "cut-off", "given", or what the staged method took
   std::string alpha_doubt;               ///< why it is not that of the cut-off; empty where it is
+  bool alpha_not_found = false;          ///< it is where the search for it ends
   double rmse_V = 0.0;                   ///< weighted, of the fit
   int evaluations = 0;                   ///< of rates
   std::vector<LogErrors> fitted;         ///< every log that took part, all of its rows

@@ -5,7 +5,6 @@
 #include <numeric>
 #include <span>
 
-#include "identify/trust/trust.h"
 #include "model/core/parallel.h"
 #include "model/statistics/quantiles.h"
 
@@ -99,7 +98,9 @@ LeftOutErrors LeaveOut(const JointFit& fit,
 
 ExpectedError ExpectError(const JointFit& fit,
                           const JointLogs& logs,
-                          const JointSolution& solution) {
+                          const JointSolution& solution,
+                          const TrustReport& trust) {
+  Require(trust.new_over_fitted.size() == logs.logs.size(), "the trust in a fit of these logs");
   ExpectedError expected;
   if (logs.groups < 2 || solution.x.size() == 0) return expected;
   const JointSetup& setup = fit.seen().setup();
@@ -115,30 +116,41 @@ ExpectedError ExpectError(const JointFit& fit,
   const std::vector<double> fitted = percent(std::vector(held.without.size(), held.whole), &always);
   const std::vector<double> left_out = percent(held.without);
 
+  // Rows of each unit.
+  std::vector<double> size(logs.unit_weight.size(), 0.0);
+  for (const JointLog& log : logs.logs) {
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (log.group[k] != JointLog::kAlways)
+        size[static_cast<std::size_t>(log.unit[k])] += log.count[k];
+    }
+  }
   // Every log counts the same, and within it every row.
-  std::vector<double> share(logs.unit_weight.size(), 0.0);
-  std::vector<double> mean(logs.unit_weight.size(), 0.0);
+  std::vector<double> share(size.size(), 0.0);
   double stays = 0.0;
+  double by_noise = 0.0;
   for (std::size_t l = 0; l < logs.logs.size(); ++l) {
     const JointLog& log = logs.logs[l];
     double rows = 0.0;
     for (const double count : log.count) rows += count;
-    stays += always[l] / rows;
+    double own = always[l];
     for (std::size_t k = 0; k < log.size(); ++k) {
       if (log.group[k] == JointLog::kAlways) continue;
       const auto u = static_cast<std::size_t>(log.unit[k]);
       share[u] += log.count[k] / rows;
-      mean[u] += log.count[k];
+      own += fitted[u] / size[u] * log.count[k];
     }
+    stays += always[l] / rows;
+    by_noise += own / rows * trust.new_over_fitted[l];
   }
   const auto seen = static_cast<double>(logs.logs.size());
+  std::vector<double> mean(size.size(), 0.0);
   double sum = 0.0;
   double shares = 0.0;
   double count = 0.0;
   for (std::size_t u = 0; u < share.size(); ++u) {
     if (share[u] <= 0.0) continue;
     share[u] /= seen;
-    mean[u] = (kFitted * fitted[u] + (1.0 - kFitted) * left_out[u]) / mean[u];
+    mean[u] = (kFitted * fitted[u] + (1.0 - kFitted) * left_out[u]) / size[u];
     sum += share[u] * mean[u];
     shares += share[u];
     count += 1.0;
@@ -146,9 +158,11 @@ ExpectedError ExpectError(const JointFit& fit,
   double squares = 0.0;
   for (std::size_t u = 0; u < share.size(); ++u)
     squares += std::pow(share[u] * (mean[u] - sum / shares), 2);
-  expected.percent = sum + stays / seen;
+  expected.percent = std::max(sum + stays / seen, by_noise / seen);
   if (count < 2.0) return expected;
-  const double reach = Reach95(count - 1.0) * std::sqrt(squares * count / (count - 1.0));
+  const double by_units = Reach95(count - 1.0) * std::sqrt(squares * count / (count - 1.0));
+  const double by_simulation = Reach95(kSimulations - 1.0) * trust.new_over_fitted_spread;
+  const double reach = std::hypot(by_units, by_simulation * expected.percent);
   expected.low_percent = std::max(expected.percent - reach, 0.0);
   expected.high_percent = expected.percent + reach;
   return expected;

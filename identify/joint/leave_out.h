@@ -10,6 +10,7 @@
 
 #include "identify/joint/joint_fit.h"
 #include "identify/joint/joint_sweep.h"
+#include "identify/trust/trust.h"
 
 namespace lipoid {
 
@@ -37,19 +38,23 @@ inline constexpr double kSmoothnessLoss = 0.02;
                                      const JointRates& rates,
                                      const std::vector<double>& ladder);
 
-/// The mean error (4.57) that a new log of the kinds of these is to be expected to have, by the
-/// same rule, in percent of the voltage: every log counts the same. The 95 % interval is that of
-/// the mean over such logs, from the scatter of the units; one log scatters more. NaN without two
-/// groups.
+/// The mean error (4.57) that a new log of the kinds of these is to be expected to have, in percent of
+/// the voltage: every log counts the same. It is the larger of two: by the same rule, which knows what
+/// the structure cannot follow; and the fitted error times what the fit has followed of noise, which
+/// held-out rows beside others in the same slow noise do not show. The 95 % interval is that of the
+/// mean over such logs, from the scatter of the units and of such noise; one log scatters more. NaN
+/// without two groups.
 struct ExpectedError {
   double percent = std::numeric_limits<double>::quiet_NaN();
   double low_percent = std::numeric_limits<double>::quiet_NaN();
   double high_percent = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// The rates of the solution stay, all else is found anew without each group.
+/// The rates of the solution stay, all else is found anew without each group. `trust` is that in the
+/// solution by these logs.
 [[nodiscard]] ExpectedError ExpectError(const JointFit& fit,
                                         const JointLogs& logs,
-                                        const JointSolution& solution);
+                                        const JointSolution& solution,
+                                        const TrustReport& trust);
 
 }  // namespace lipoid

@@ -59,6 +59,12 @@ bool TellTemperature(const std::vector<LoadedLog>& logs) {
   });
 }
 
+void AssumeHeat(const HeatBalance<double>& heat, Cell& cell) {
+  cell.temperature->heat = heat;
+  cell.heat_assumed = true;
+  if (cell.temperature->entropy) cell.temperature->entropy->reversible_heat = false;
+}
+
 std::optional<PredictedTemperatures> PredictTemperatures(const Cell& cell,
                                                          const std::vector<LoadedLog>& logs) {
   constexpr double kLeastPredictedRise_K = 1.0;
@@ -67,10 +73,10 @@ std::optional<PredictedTemperatures> PredictTemperatures(const Cell& cell,
   Cell one = cell;
   one.series = one.parallel = 1;
   PredictedTemperatures warm;
-  std::optional<HeatBalance<double>>& heat = one.temperature->heat;
-  if (!heat && !TellTemperature(logs)) {
-    heat = TypicalHeat(one.capacity_Ah);
-    warm.assumed = true;
+  const std::optional<HeatBalance<double>>& heat = one.temperature->heat;
+  if (!TellTemperature(logs)) {
+    if (!heat) AssumeHeat(TypicalHeat(one.capacity_Ah), one);
+    warm.assumed = one.heat_assumed;
   }
   if (!heat) return std::nullopt;
   warm.by = *heat;

@@ -30,6 +30,10 @@ struct PredictedTemperatures {
 /// Whether a log that takes part in the fit has the temperature of its cell.
 [[nodiscard]] bool TellTemperature(const std::vector<LoadedLog>& logs);
 
+/// Of a cell with temperature. An entropic slope of logs without a thermometer is none that heats: it takes
+/// up what the assumed temperatures miss.
+void AssumeHeat(const HeatBalance<double>& heat, Cell& cell);
+
 /// The temperature in every row of the logs that have `ambient_degC` alone and take part in the fit, by
 /// the heat balance of this cell, or by a typical one where no log could have told it. None where it has no
 /// heat balance, or would warm in none of them by a kelvin.

@@ -334,8 +334,10 @@ class Assessment {
   }
 
   // The variograms that noise of each component has left when the fit has followed it: from what
-  // they were without a fit, in place.
-  void FindDesignsOfResiduals(const Batch& batch, Eigen::MatrixXd& designs) const {
+  // they were without a fit, in place. And its squares.
+  void FindDesignsOfResiduals(const Batch& batch,
+                              Eigen::MatrixXd& designs,
+                              Eigen::MatrixXd& parts) const {
     constexpr Eigen::Index kSeries = kSeriesPerComponent;
     const CorrelationModel& model = models_[batch.log];
     std::vector<Eigen::MatrixXd> all(logs_.size());
@@ -347,7 +349,15 @@ class Assessment {
           model.Simulate(unit, kSeries, options_.seed, Stream(batch.log, 1));
     }
     const Eigen::MatrixXd before_each = model.Variogram(noise);
+    const Eigen::MatrixXd drawn = noise;
     Project(all);
+    const Squares squares = SquaresOf(batch.log, drawn, noise);
+    for (Eigen::Index m = 0; m < batch.components; ++m) {
+      const auto mean = [&](const Eigen::ArrayXd& of) {
+        return of.segment(m * kSeries, kSeries).mean();
+      };
+      parts.col(batch.first + m) << mean(squares.own), mean(squares.left), mean(squares.followed);
+    }
     const Eigen::MatrixXd after_each = model.Variogram(noise);
     for (Eigen::Index m = 0; m < batch.components; ++m) {
       auto design = designs.col(batch.first + m);
@@ -373,6 +383,7 @@ class Assessment {
       const double slow_V = assumed.correlated_V;
       variances_.push_back(Eigen::Vector2d(assumed.white_V * assumed.white_V, slow_V * slow_V));
       simulated_.emplace_back(2, 0);
+      report_.new_over_fitted.push_back(1.0);
     }
   }
 
@@ -381,11 +392,12 @@ class Assessment {
     for (const FittedRows& log : logs_) {
       models_.emplace_back(log.time_s, log.averaged);
       designs.push_back(models_.back().design());
+      parts_.emplace_back(Eigen::MatrixXd::Zero(3, models_.back().components()));
     }
     const std::vector<Batch> batches = Batches();
     ParallelFor(batches.size(), [&](std::size_t k) {
       StopIfAsked();
-      FindDesignsOfResiduals(batches[k], designs[batches[k].log]);
+      FindDesignsOfResiduals(batches[k], designs[batches[k].log], parts_[batches[k].log]);
     });
     const Eigen::Index series = options_.simulations;
     std::vector<Eigen::MatrixXd> noise(logs_.size());
@@ -398,6 +410,7 @@ class Assessment {
       noise[l] = model.Simulate(variances_[l], series, options_.seed, Stream(l, 0));
     });
     // The same of noise that has the correlation found.
+    const std::vector<Eigen::MatrixXd> drawn = noise;
     Project(noise);
     simulated_.resize(logs_.size());
     ParallelFor(logs_.size(), [&](std::size_t l) {
@@ -406,6 +419,73 @@ class Assessment {
       for (Eigen::Index s = 0; s < series; ++s)
         simulated_[l].col(s) = models_[l].Fit(variograms.col(s), designs[l]);
     });
+    CompareNewWithFitted(drawn, noise);
+  }
+
+  // Sums over the rows of a log, of each series: of noise, of what is left of it in the logs of the fit,
+  // and of what the fit has followed.
+  struct Squares {
+    Eigen::ArrayXd own, left, followed;
+  };
+  [[nodiscard]] Squares SquaresOf(std::size_t l,
+                                  const Eigen::MatrixXd& drawn,
+                                  const Eigen::MatrixXd& left) const {
+    const Eigen::VectorXd weight = local_[l].cwiseAbs2().cwiseProduct(Count(l));
+    const auto sum = [&](const Eigen::MatrixXd& of) -> Eigen::ArrayXd {
+      return (of.cwiseAbs2() * weight).array();
+    };
+    return {sum(drawn), sum(left), sum(drawn - left)};
+  }
+  [[nodiscard]] Eigen::VectorXd Count(std::size_t l) const {
+    const FittedRows& log = logs_[l];
+    if (log.averaged.size() > 0) return log.averaged;
+    return Eigen::VectorXd::Ones(log.residual_V.size());
+  }
+  // What rows that were taken together have about their mean, which no fit follows, at these variances.
+  [[nodiscard]] double Within(std::size_t l, const Eigen::VectorXd& variances) const {
+    return variances[0] * local_[l].cwiseAbs2().dot((Count(l).array() - 1.0).matrix());
+  }
+  // Of a new log over that in the fit, by what the log's own noise of these variances does.
+  [[nodiscard]] double NewOverFitted(std::size_t l, const Eigen::VectorXd& variances) const {
+    const Eigen::Vector3d squares = parts_[l] * variances;
+    const double within = Within(l, variances);
+    const double left = squares[1] + within;
+    return left > 0.0 ? std::sqrt((squares[0] + squares[2] + within) / left) : 1.0;
+  }
+
+  // A new log has noise of its own, and in it the fit's error, which is what the fit has followed of
+  // the noise `drawn`: squares of both add. In the logs of the fit only what is `left` is seen. How slow
+  // the noise is is hardly to be seen there, and from it comes 1 or 5: what is found again from noise
+  // like it, on average, is taken (bagging), and its scatter counts.
+  void CompareNewWithFitted(const std::vector<Eigen::MatrixXd>& drawn,
+                            const std::vector<Eigen::MatrixXd>& left) {
+    const Eigen::Index series = options_.simulations;
+    // Sums of the logs' rms, of each series: what is said from the fitted rows, and what is so.
+    Eigen::ArrayXd said_V = Eigen::ArrayXd::Zero(series);
+    Eigen::ArrayXd new_V = Eigen::ArrayXd::Zero(series);
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      report_.new_over_fitted.push_back(1.0);
+      if (logs_[l].residual_V.size() == 0) continue;
+      const Squares squares = SquaresOf(l, drawn[l], left[l]);
+      const double within = Within(l, variances_[l]);
+      const Eigen::ArrayXd fitted = squares.left + within;
+      const Eigen::ArrayXd anew = squares.followed + squares.own.mean() + within;
+      if (!(fitted.minCoeff() > 0.0)) continue;
+      Eigen::ArrayXd found_again(series);
+      for (Eigen::Index s = 0; s < series; ++s)
+        found_again[s] = std::log(NewOverFitted(l, simulated_[l].col(s)));
+      const double ratio = std::sqrt(anew.mean() / fitted.mean());
+      const double usual = std::exp(found_again.mean());
+      report_.new_over_fitted.back() =
+          std::max(1.0, ratio * usual / NewOverFitted(l, variances_[l]));
+      const double rows = Count(l).sum();
+      said_V += found_again.exp() / usual * ratio * (fitted / rows).sqrt();
+      new_V += (anew / rows).sqrt();
+    }
+    if (!(said_V.minCoeff() > 0.0)) return;
+    const Eigen::ArrayXd miss = (new_V / said_V).log();
+    report_.new_over_fitted_spread =
+        std::sqrt((miss - miss.mean()).square().sum() / static_cast<double>(series - 1));
   }
 
   void FindSampling() {
@@ -668,6 +748,7 @@ class Assessment {
   std::vector<CorrelationModel> models_;
   std::vector<Eigen::VectorXd> variances_;  // of the residuals' correlation
   std::vector<Eigen::MatrixXd> simulated_;  // found again in each simulation
+  std::vector<Eigen::MatrixXd> parts_;      // of each log: Squares of noise of each component
   std::vector<Eigen::MatrixXd> sums_;       // of the scores, for each log and component in turn
   TrustReport report_;
 };

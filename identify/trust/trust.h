@@ -89,9 +89,12 @@ struct NamedCombination {
   Eigen::VectorXd added_spread = {};  ///< as that of a quantity
 };
 
+inline constexpr int kSimulations = 12;
+
 struct TrustOptions {
   std::vector<Eigen::Index> held;  ///< parameters at an active bound beside those of quantities
-  int simulations = 12;  ///< of noise like the residuals', for the degrees of freedom; > 1
+  int simulations =
+      kSimulations;  ///< of noise like the residuals', for the degrees of freedom; > 1
   std::uint64_t seed = 1;
   /// Noise that is assumed, for an experiment that is only planned; else the residuals tell.
   std::optional<ResidualCorrelation> assumed = std::nullopt;
@@ -148,9 +151,13 @@ struct TrustReport {
   Eigen::MatrixXd drawn_covariance;
   std::vector<std::string> drawn;           ///< their names
   std::vector<PulseResistance> resistance;  ///< often known where its parts are not
-  double sampling_s = 0.0;                  ///< the shortest usual step of the logs
-  double span_s = 0.0;                      ///< the longest log
-  std::string sentence;                     ///< the one that a user needs
+  /// How much larger the error of a new log like each of these is than that in the fit, which has
+  /// followed some of the noise: by noise like the residuals', drawn for both. 1 of a plan.
+  std::vector<double> new_over_fitted;
+  double new_over_fitted_spread = 0.0;  ///< relative standard error of what this says of all logs
+  double sampling_s = 0.0;              ///< the shortest usual step of the logs
+  double span_s = 0.0;                  ///< the longest log
+  std::string sentence;                 ///< the one that a user needs
 };
 
 /// `penalty` is P, p x p, or empty. Weights, residuals and sensitivities are finite.

@@ -557,7 +557,8 @@ TEST(JointRun, TheHeatThatIsFittedIsTheHeatOfTheCell) {
   for (const LogErrors& log : result.fitted) own_percent += log.all.mean_error_percent;
   own_percent /= static_cast<double>(result.fitted.size());
   const JointObservations seen(result.logs, result.setup);
-  const ExpectedError expected = ExpectError(JointFit(seen, {}), result.logs, result.choice.best);
+  const ExpectedError expected =
+      ExpectError(JointFit(seen, {}), result.logs, result.choice.best, AssessJoint(result));
   EXPECT_GT(expected.percent, 0.9 * own_percent);
 }
 

@@ -455,6 +455,13 @@ TEST(JointTemperature, LogsThatAllTellTheirSurroundingsAloneAreWarmedAsATypicalC
               0.02 * typical.heat_capacity_J_per_K);
   EXPECT_TRUE(result.cell.heat_assumed);
   EXPECT_TRUE(CellToJson(result.cell).at("temperature").at("heat_assumed"));
+  // And what is said of it is said of the cell of the file: by the temperatures that it predicts itself.
+  ASSERT_EQ(result.fitted.size(), logs.size());
+  for (std::size_t l = 0; l < logs.size(); ++l)
+    EXPECT_EQ(Validate(result.cell, logs[l]).all.rmse, result.fitted[l].all.rmse);
+  ASSERT_FALSE(result.constant_current.empty());
+  for (const ConstantCurrentErrors& log : result.constant_current)
+    EXPECT_LT(log.error_percent, 2.0) << log.current_A;
 }
 
 // Where one log is silent temperature takes no part in any.

@@ -12,6 +12,7 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/statistics/normal_noise.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {
@@ -244,6 +245,65 @@ TEST(Trust, TheWhiteFormulaIsFarTooSureUnderSlowNoise) {
 }
 
 // A spline that nobody asks about takes much of the noise with it: its loss must be given back.
+// Means of so many stretches of one log.
+MatrixXd Stretches(Index rows, Index stretches) {
+  MatrixXd design = MatrixXd::Zero(rows, stretches);
+  for (Index k = 0; k < rows; ++k) design(k, k * stretches / rows) = 1.0;
+  return design;
+}
+
+// A fit of p parameters leaves n - p of n squares of white noise, and adds p to those of new rows.
+TEST(Trust, NewLogsErrMoreByWhatTheFitHasFollowedOfWhiteNoise) {
+  const Index n = 1000;
+  const Index p = 100;
+  const Fit fit = FitNoise(Stretches(n, p), Noise(n, 1e-3, 0.0, 1.0, 5));
+  const TrustReport trust = Assess(fit.rows, {});
+  ASSERT_EQ(trust.new_over_fitted.size(), 1U);
+  // What it says of one log is uncertain by as much as it says of itself.
+  const double right = std::sqrt(double(n + p) / double(n - p));
+  EXPECT_GT(trust.new_over_fitted[0], 1.0 + 0.3 * (right - 1.0));
+  EXPECT_NEAR(std::log(trust.new_over_fitted[0] / right), 0.0, 2.0 * trust.new_over_fitted_spread);
+  EXPECT_LT(trust.new_over_fitted_spread, 0.2);
+}
+
+TEST(Trust, NewLogsErrMoreByWhatTheFitHasFollowedOfSlowNoise) {
+  const Index n = 1200;
+  const double white_V = 2e-4;
+  const double slow_V = 1e-3;
+  const double time_s = 60.0;
+  const MatrixXd design = Stretches(n, 12);
+  // By the covariance itself: tr S + tr P S P of new rows, tr (1 - P) S (1 - P) of those fitted.
+  MatrixXd covariance(n, n);
+  for (Index i = 0; i < n; ++i) {
+    for (Index k = 0; k < n; ++k)
+      covariance(i, k) = slow_V * slow_V * std::exp(-double(std::abs(i - k)) / time_s);
+    covariance(i, i) += white_V * white_V;
+  }
+  const MatrixXd means = (design.transpose() * design).inverse() * design.transpose();
+  const double followed =
+      (design.transpose() * design * means * covariance * means.transpose()).trace();
+  const double right = std::sqrt((covariance.trace() + followed) / (covariance.trace() - followed));
+  const int fits = 40;
+  int held = 0;
+  double mean_miss = 0.0;
+  for (int k = 0; k < fits; ++k) {
+    const Fit fit = FitNoise(design, Noise(n, white_V, slow_V, time_s, 100 + std::uint64_t(k)));
+    const TrustReport trust = Assess(fit.rows, {});
+    const double fitted_V = fit.rows.residual_V.norm() / std::sqrt(double(n));
+    const double to_come_V =
+        std::sqrt((covariance.trace() + (design * fit.error).squaredNorm()) / double(n));
+    const double miss = std::log(to_come_V / (trust.new_over_fitted[0] * fitted_V));
+    mean_miss += miss / fits;
+    if (miss < Reach95(11.0) * trust.new_over_fitted_spread) ++held;
+  }
+  // The fitted error alone is short by log(right), 0.68 of noise of a minute. Noise that is as slow as
+  // what the fit can follow is hardly seen in one log: what is said is on the safe side, by less than two.
+  EXPECT_GT(right, 1.9);
+  EXPECT_LT(mean_miss, 0.05);
+  EXPECT_GT(mean_miss, -0.69);
+  EXPECT_GE(held, 38);
+}
+
 TEST(Trust, IntervalsCoverWithManyNuisanceParameters) {
   constexpr int kSeeds = 60;
   constexpr Index kNodes = 60;
