@@ -165,12 +165,25 @@ std::vector<std::pair<std::size_t, std::string>> DoubtsAboutAges(
 }
 
 std::string DoubtAboutTemperatures(const std::vector<Cell>& cells) {
-  const bool told = std::any_of(cells.begin(), cells.end(), [](const Cell& cell) {
-    return !std::isnan(TemperatureOf(cell));
-  });
-  if (told || cells.size() < 2) return "";
-  return "no cell file says at which temperature its logs were (temperature_degC, or ambient_degC in the campaign): "
-         "a change may be one of the temperature, 6 K of which are a sixth of a resistance";
+  std::vector<std::string> silent;
+  for (const Cell& cell : cells) {
+    if (std::isnan(TemperatureOf(cell)))
+      silent.push_back(AgeOf(cell).empty() ? cell.name : AgeOf(cell));
+  }
+  if (silent.empty() || cells.size() < 2) return "";
+  constexpr std::string_view kTell = "(temperature_degC, or ambient_degC in the campaign)";
+  if (silent.size() == cells.size()) {
+    return fmt::format(
+        "no cell file says at which temperature its logs were {}: a change may be one of the temperature, 6 K of "
+        "which are a sixth of a resistance",
+        kTell);
+  }
+  return fmt::format(
+      "{} {} not say at which temperature the logs were {}, and others do: these are not compared, because 6 K "
+      "are a sixth of a resistance",
+      fmt::join(silent, ", "),
+      silent.size() == 1 ? "does" : "do",
+      kTell);
 }
 
 std::string AgeOf(const Cell& cell) {
@@ -193,6 +206,7 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
       const Estimate now = estimate_of(cells[k]);
       // Where one cell does not know at which temperature it was seen, nobody knows that they are alike.
       const double off_K = std::abs(now.temperature_degC - first.temperature_degC);
+      const bool unknown = std::isnan(off_K);
       const bool both_unknown =
           std::isnan(now.temperature_degC) && std::isnan(first.temperature_degC);
       const bool by_law = cells.front().temperature && cells[k].temperature;
@@ -201,8 +215,9 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
       quantity.at.push_back(poor                      ? Alone(now, ChangeVerdict::kPoorFit)
                             : std::isnan(now.value)   ? Alone(now, ChangeVerdict::kNotKnown)
                             : std::isnan(first.value) ? Alone(now, ChangeVerdict::kFirstNotKnown)
-                            : apart                   ? Alone(now, ChangeVerdict::kOtherTemperature)
-                                                      : Against(first, now, k == 0));
+                            : apart && unknown ? Alone(now, ChangeVerdict::kTemperatureNotKnown)
+                            : apart            ? Alone(now, ChangeVerdict::kOtherTemperature)
+                                               : Against(first, now, k == 0));
       known = known || std::isfinite(quantity.at.back().value);
     }
     if (known) quantities.push_back(std::move(quantity));

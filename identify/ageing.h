@@ -28,9 +28,10 @@ enum class ChangeVerdict {
   kNotKnown,
   kFirstNotKnown,
   kOtherTemperature,
+  kTemperatureNotKnown,
   kPoorFit
 };
-constexpr std::array<std::pair<ChangeVerdict, std::string_view>, 8> OptionNames(ChangeVerdict) {
+constexpr std::array<std::pair<ChangeVerdict, std::string_view>, 9> OptionNames(ChangeVerdict) {
   return {{{ChangeVerdict::kFirst, "first"},
            {ChangeVerdict::kChanged, "changed"},
            {ChangeVerdict::kNotShown, "not shown by these logs"},
@@ -38,6 +39,7 @@ constexpr std::array<std::pair<ChangeVerdict, std::string_view>, 8> OptionNames(
            {ChangeVerdict::kNotKnown, "not known"},
            {ChangeVerdict::kFirstNotKnown, "not known of the first"},
            {ChangeVerdict::kOtherTemperature, "of another temperature"},
+           {ChangeVerdict::kTemperatureNotKnown, "temperature not known"},
            {ChangeVerdict::kPoorFit, "of a poor fit"}}};
 }
 

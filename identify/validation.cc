@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "identify/logs/segments.h"
+#include "model/battery/cell_parameters.h"
 #include "model/battery/prediction.h"
 #include "model/core/special_values.h"
 
@@ -104,6 +105,27 @@ std::optional<StartDoubt> DoubtOfStart(const OpenCircuitVoltage& curve,
   if (std::abs(soc - initial_soc) <= kSoc || std::abs(curve(initial_soc) - rest_V) <= kVoltage_V)
     return std::nullopt;
   return StartDoubt{record.file, rest_V, soc, initial_soc, full_V};
+}
+
+std::string DoubtAboutLoadedStart(const Cell& one, const Record& record, double initial_soc) {
+  constexpr double kOff_V = 0.2;  // more than half of the charge of most cells
+  if (record.size() < 2 || record.voltage_V.empty()) return "";
+  const double current_A = record.current_A.front();
+  if (std::abs(current_A) <= RestThreshold(record)) return "";
+  const double rest_V = one.open_circuit_voltage(initial_soc);
+  const double found_V = record.voltage_V.front();
+  const double drop_V = current_A * SeriesAndBranches(one, std::clamp(initial_soc, 0.0, 1.0));
+  // Of the first row little or all of the drop may be there.
+  if (found_V > rest_V + std::min(0.0, -drop_V) - kOff_V &&
+      found_V < rest_V + std::max(0.0, -drop_V) + kOff_V)
+    return "";
+  return fmt::format(
+      "begins under load at {:.4g} V, and is taken as a cell at a state of charge of {:g}, which rests at {:.4g} V: "
+      "say where it begins (--initial-soc, or --initial-voltage-V), or cut a test that begins at rest out of it "
+      "(lipoid inspect shows its segments, lipoid convert has --start-s and --end-s)",
+      found_V,
+      initial_soc,
+      rest_V);
 }
 
 std::string DoubtAboutStart(const OpenCircuitVoltage& curve,

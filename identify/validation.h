@@ -92,6 +92,12 @@ struct StartDoubt {
                                                      const Record& record,
                                                      double initial_soc);
 
+/// Of a log that begins under load, whose first voltage is not one that this cell has under it at
+/// `initial_soc`, as a sentence; empty where there is nothing to say.
+[[nodiscard]] std::string DoubtAboutLoadedStart(const Cell& one,
+                                                const Record& record,
+                                                double initial_soc);
+
 /// One sentence of all: the log that is furthest off with what to do, then the others by name, and
 /// `of_others`, what to do of them; "" of none.
 [[nodiscard]] std::string DoubtsAboutStarts(std::vector<StartDoubt> doubts,

@@ -145,7 +145,7 @@ TEST(Ageing, AResistanceOfAnotherTemperatureIsNotCompared) {
   Json run = *cells[1].run;
   run["metrics"]["resistance"][0]["temperature_degC"] = nullptr;
   cells[1].run = std::make_shared<const Json>(std::move(run));
-  EXPECT_EQ(CompareAges(cells)[2].at[1].verdict, ChangeVerdict::kOtherTemperature);
+  EXPECT_EQ(CompareAges(cells)[2].at[1].verdict, ChangeVerdict::kTemperatureNotKnown);
 }
 
 // A cell that knows no temperature may know at which its logs were.
@@ -156,6 +156,9 @@ TEST(Ageing, CellsOfLogsOfOtherTemperaturesAreNotCompared) {
   EXPECT_TRUE(DoubtAboutTemperatures(cells).starts_with(
       "no cell file says at which temperature its logs were"));
   EXPECT_EQ(DoubtAboutTemperatures({cells[0]}), "");
+  cells[0].reference_degC = 25.0;
+  EXPECT_TRUE(DoubtAboutTemperatures(cells).starts_with(
+      "old does not say at which temperature the logs were (temperature_degC, or ambient_degC"));
   const auto verdicts = [&](double first_degC, double second_degC) {
     cells[0].reference_degC = first_degC;
     cells[1].reference_degC = second_degC;

@@ -99,6 +99,28 @@ TEST(Validation, SeesThatALogDoesNotStartWhereItIsSaidTo) {
 }
 
 // A slow discharge from 95 % took itself for a full one, and the others said nothing.
+// A cycler's file that begins with a charge: nothing rests there, and yet 3.4 V are no full cell.
+TEST(Validation, ALogThatBeginsUnderLoadFarFromItsStartIsDoubted) {
+  const Cell cell = LoadCell("gifi-600mAh-1");
+  Record record;
+  record.time_s = {0.0, 1.0, 2.0};
+  record.current_A = {-0.6, -0.6, 0.0};
+  record.voltage_V = {3.4, 3.41, 3.35};
+  EXPECT_TRUE(DoubtAboutLoadedStart(cell, record, 1.0)
+                  .starts_with("begins under load at 3.4 V, and is taken as a cell at a state of "
+                               "charge of 1, which rests at 4.2 V: say where it begins"));
+  EXPECT_EQ(DoubtAboutLoadedStart(cell, record, 0.02), "");
+  // Under load a full cell may have all of its drop or none.
+  record.current_A = {6.0, 6.0, 0.0};
+  for (const double first_V : {3.4, 4.15}) {
+    record.voltage_V.front() = first_V;
+    EXPECT_EQ(DoubtAboutLoadedStart(cell, record, 1.0), "") << first_V;
+  }
+  record.current_A.front() = 0.0;  // rests: DoubtOfStart
+  record.voltage_V.front() = 3.4;
+  EXPECT_EQ(DoubtAboutLoadedStart(cell, record, 1.0), "");
+}
+
 TEST(Validation, ARestFarAboveAFullCellDoubtsTheCurve) {
   const auto curve = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.0, 4.16});
   Record record;

@@ -93,6 +93,9 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
       doubt->file = errors.file;
       starts.push_back(std::move(*doubt));
     }
+    if (const auto doubt = DoubtAboutLoadedStart(one, loaded.log.record, initial_soc);
+        !doubt.empty())
+      line.Message("{} {}", errors.file, doubt);
     table.Row({errors.file,
                fmt::format("{}", errors.all.rows),
                cli::Significant(errors.all.mean_error_percent),
