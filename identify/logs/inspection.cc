@@ -39,6 +39,39 @@ std::vector<std::pair<double, double>> CurveOf(const Record& record, const Disch
   return curve;
 }
 
+// What a load holds that does not hold the current: its power, or its resistance. Empty where neither is steadier.
+std::string HeldInstead(const Record& record, const Discharge& discharge) {
+  constexpr double kMoves = 0.03;     // between the 5th and the 95th of a hundred rows
+  constexpr double kSteadier = 0.25;  // than the current
+  if (record.voltage_V.empty()) return "";
+  std::vector<double> power_W;
+  std::vector<double> load_Ohm;
+  std::vector<double> current_A;
+  for (std::size_t k = discharge.first; k <= discharge.last; ++k) {
+    if (!(record.current_A[k] > 0.0)) continue;
+    current_A.push_back(record.current_A[k]);
+    power_W.push_back(record.voltage_V[k] * record.current_A[k]);
+    load_Ohm.push_back(record.voltage_V[k] / record.current_A[k]);
+  }
+  constexpr std::size_t kLeastRows = 20;
+  if (current_A.size() < kLeastRows) return "";
+  const auto at = [](std::vector<double>& of, double share) {
+    return ValueAtPlace(of, static_cast<std::size_t>(share * static_cast<double>(of.size() - 1)));
+  };
+  const auto spread = [&](std::vector<double>& of) {
+    return (at(of, 0.95) - at(of, 0.05)) / at(of, 0.5);
+  };
+  const double moves = spread(current_A);
+  const bool power = spread(power_W) < kSteadier * moves;
+  if (!(moves > kMoves) || !(power || spread(load_Ohm) < kSteadier * moves)) return "";
+  return fmt::format(
+      "a discharge at a constant {} of {:.4g} {}: its current moves by {:.2g} %, and (4.53) is of a constant one",
+      power ? "power" : "resistance",
+      at(power ? power_W : load_Ohm, 0.5),
+      power ? "W" : "Ohm",
+      100.0 * moves);
+}
+
 Inspection InspectRows(const Record& record, const LogReport& report) {
   Inspection inspection;
   inspection.file = record.file;
@@ -74,6 +107,11 @@ Inspection InspectRows(const Record& record, const LogReport& report) {
   inspection.suggestion =
       report.flight ? Suggestion{std::nullopt, "a flight, which is no test of a laboratory"}
                     : SuggestKind(inspection.segments, inspection.discharge);
+  if (inspection.suggestion.kind == LogKind::kConstantCurrent ||
+      inspection.suggestion.kind == LogKind::kLowRate) {
+    if (auto other = HeldInstead(record, *inspection.discharge); !other.empty())
+      inspection.suggestion = {LogKind::kValidation, std::move(other)};
+  }
   return inspection;
 }
 

@@ -96,6 +96,25 @@ TEST(SuggestKind, OfEachKind) {
       "charges and discharges; for another kind choose a part with steps, cycles or times");
 }
 
+// A load that holds its power draws more as the voltage falls; one that is a resistor draws less.
+TEST(Inspection, ALoadThatHoldsNoCurrentIsForValidation) {
+  for (const bool power : {true, false}) {
+    Record record = RecordOfSteps({{60.0, 0.0}, {1000.0, 4.0}});
+    const double first_V = record.voltage_V[70];
+    for (std::size_t k = 0; k < record.size(); ++k) {
+      if (record.current_A[k] == 0.0) continue;
+      record.voltage_V[k] = first_V - 4e-4 * record.time_s[k];
+      record.current_A[k] = power ? 15.0 / record.voltage_V[k] : record.voltage_V[k] / 0.9;
+    }
+    const Suggestion found = InspectRecord(record, LogReport{}).suggestion;
+    EXPECT_EQ(found.kind, LogKind::kValidation);
+    EXPECT_TRUE(found.reason.starts_with(
+        power ? "a discharge at a constant power of 15 W: its current moves by "
+              : "a discharge at a constant resistance of 0.9 Ohm: its current moves by "))
+        << found.reason;
+  }
+}
+
 // US06 of a cell: here and there a load is even and a rest follows, but it is no pulse test.
 TEST(SuggestKind, ADriveCycleIsForValidation) {
   std::vector<Segment> segments;
