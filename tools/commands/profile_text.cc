@@ -12,8 +12,8 @@ namespace {
 
 using cli::Significant;
 
-constexpr int kColumns = 40;    // of bars
-constexpr int kThreshold = 20;  // column at which 95 % end
+constexpr int kBarColumns = 40;  // of bars
+constexpr int kThreshold = 20;   // column at which 95 % end
 
 // As many digits as it takes to tell the points apart.
 int Digits(const Profile& profile) {
@@ -46,13 +46,14 @@ std::string BarText(const Profile& profile, const ProfilePoint& point) {
   if (!std::isfinite(point.cost)) return "the fit failed";
   const double share =
       profile.rise_95 > 0.0 ? (point.cost - profile.least_cost) / profile.rise_95 : 0.0;
-  const int length = static_cast<int>(std::min<double>(kColumns, std::round(kThreshold * share)));
+  const int length =
+      static_cast<int>(std::min<double>(kBarColumns, std::round(kThreshold * share)));
   std::string bar(static_cast<std::size_t>(length), '#');
   if (length < kThreshold) {
     bar.append(static_cast<std::size_t>(kThreshold - length), ' ');
     bar += '|';
   }
-  if (length == kColumns) bar.back() = '>';
+  if (length == kBarColumns) bar.back() = '>';
   return bar;
 }
 
