@@ -54,7 +54,7 @@ function(lipoid_precompile target)
 endfunction()
 
 # lipoid_unite(target): with CMAKE_UNITY_BUILD, the sources of a folder are compiled twenty at a time, which
-# takes half: they include the same headers. (Eight at a time took a ninth longer.) Two sources of one folder therefore never give one name to two
+# takes half: they include the same headers. Two sources of one folder therefore never give one name to two
 # things, not even in unnamed namespaces. The presets clang and tidy compile every source by itself.
 function(lipoid_unite target)
   get_target_property(sources ${target} SOURCES)

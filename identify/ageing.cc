@@ -206,18 +206,18 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
       const Estimate now = estimate_of(cells[k]);
       // Where one cell does not know at which temperature it was seen, nobody knows that they are alike.
       const double off_K = std::abs(now.temperature_degC - first.temperature_degC);
-      const bool unknown = std::isnan(off_K);
       const bool both_unknown =
           std::isnan(now.temperature_degC) && std::isnan(first.temperature_degC);
+      const bool unknown = std::isnan(off_K) && !both_unknown;
       const bool by_law = cells.front().temperature && cells[k].temperature;
-      const bool apart = !both_unknown && !(off_K <= (by_law ? same_by_law_K : kSameByLogs_K));
+      const bool apart = off_K > (by_law ? same_by_law_K : kSameByLogs_K);
       const bool poor = IsOfPoorFit(cells.front()) || IsOfPoorFit(cells[k]);
       quantity.at.push_back(poor                      ? Alone(now, ChangeVerdict::kPoorFit)
                             : std::isnan(now.value)   ? Alone(now, ChangeVerdict::kNotKnown)
                             : std::isnan(first.value) ? Alone(now, ChangeVerdict::kFirstNotKnown)
-                            : apart && unknown ? Alone(now, ChangeVerdict::kTemperatureNotKnown)
-                            : apart            ? Alone(now, ChangeVerdict::kOtherTemperature)
-                                               : Against(first, now, k == 0));
+                            : unknown ? Alone(now, ChangeVerdict::kTemperatureNotKnown)
+                            : apart   ? Alone(now, ChangeVerdict::kOtherTemperature)
+                                      : Against(first, now, k == 0));
       known = known || std::isfinite(quantity.at.back().value);
     }
     if (known) quantities.push_back(std::move(quantity));

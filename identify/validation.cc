@@ -108,7 +108,7 @@ std::optional<StartDoubt> DoubtOfStart(const OpenCircuitVoltage& curve,
 }
 
 std::string DoubtAboutLoadedStart(const Cell& one, const Record& record, double initial_soc) {
-  constexpr double kOff_V = 0.2;  // more than half of the charge of most cells
+  constexpr double kOff_V = 0.2;  // beyond what a cold cell or an old one adds to its drop
   if (record.size() < 2 || record.voltage_V.empty()) return "";
   const double current_A = record.current_A.front();
   if (std::abs(current_A) <= RestThreshold(record)) return "";

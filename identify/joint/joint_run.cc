@@ -81,32 +81,6 @@ std::pair<double, double> UnderLoad(const Record& record) {
   return {loaded_s, rows};
 }
 
-// By the currents that flowed, where the sensor was found to have an offset.
-LoadedLog AsFlowing(const JointResult& result, LoadedLog log) {
-  if (!result.choice.best.structure.current_offset) return log;
-  for (double& current_A : log.log.record.current_A)
-    current_A = result.choice.best.rates.Flowing(current_A);
-  return log;
-}
-
-// Every log by the cell itself, on all of its rows.
-void JudgeByCell(const Campaign& campaign,
-                 const std::vector<LoadedLog>& logs,
-                 JointResult& result) {
-  std::vector<LogErrors> errors(logs.size());
-  ParallelFor(logs.size(), [&](std::size_t l) {
-    const bool as_shown = !result.choice.best.structure.current_offset;
-    errors[l] = Validate(result.cell, as_shown ? logs[l] : AsFlowing(result, logs[l]));
-  });
-  result.fitted.clear();
-  result.validation.clear();
-  for (std::size_t l = 0; l < logs.size(); ++l) {
-    const bool fitted = logs[l].entry.kind != LogKind::kValidation;
-    (fitted ? result.fitted : result.validation).push_back(std::move(errors[l]));
-  }
-  if (campaign.cutoff_V) result.constant_current = ValidateConstantCurrents(result.cell, logs);
-}
-
 // The rms error of all rows that were fitted.
 double ErrorOfRows_V(const JointResult& result) {
   double squares = 0.0;
@@ -125,9 +99,12 @@ class JointRun {
            const StagedOptions& staged_options,
            const JointOptions& options,
            const StagedGiven& given,
-           const StageProgress& progress)
+           const StageProgress& progress,
+           const PredictedTemperatures* warm)
       : campaign_(campaign),
-        logs_(logs),
+        recorded_(logs),
+        logs_(warm != nullptr ? warm->logs : logs),
+        warm_(warm),
         staged_options_(KeepingTo(given.reference.get(), staged_options)),
         options_(options),
         given_(given),
@@ -159,7 +136,7 @@ class JointRun {
     if (HasOffset()) {
       result_.least_alpha_C = 0.0;
       for (const LoadedLog& log : logs_) {
-        const LoadedLog flowing = AsFlowing(result_, log);
+        const LoadedLog flowing = AsFlowing(log);
         FindLeastAlpha(flowing, DeliveredCharge(flowing.log.record));
       }
     }
@@ -766,7 +743,10 @@ class JointRun {
     }
     if (!cell.temperature) return;
     result_.heat = FitHeat(cell, logs_);
-    if (!result_.heat) return;
+    if (!result_.heat) {
+      if (warm_ != nullptr && warm_->assumed) AssumeHeat(warm_->by, cell);
+      return;
+    }
     cell.temperature->heat = result_.heat->balance;
     if (cell.temperature->entropy)
       cell.temperature->entropy->reversible_heat = result_.heat->reversible;
@@ -788,14 +768,39 @@ class JointRun {
   }
 
   [[nodiscard]] bool HasOffset() const { return result_.choice.best.structure.current_offset; }
-  // Every log by the cell itself, and by the staged cell beside it.
+  // By the currents that flowed, where the sensor was found to have an offset.
+  [[nodiscard]] LoadedLog AsFlowing(LoadedLog log) const {
+    for (double& current_A : log.log.record.current_A)
+      current_A = result_.choice.best.rates.Flowing(current_A);
+    return log;
+  }
+  [[nodiscard]] LogErrors ValidateAsFlowing(const LoadedLog& log) const {
+    return Validate(result_.cell, HasOffset() ? AsFlowing(log) : log);
+  }
+
+  // Every log by the cell itself, on all of its rows; and by the staged cell beside it. Where no thermometer
+  // told, the cell is as warm as it says itself, which is what a user of its file gets.
   void Judge() {
     Tell("validation", 0.92);
-    JudgeByCell(campaign_, logs_, result_);
-    for (const LoadedLog& log : logs_) {
-      if (log.entry.kind != LogKind::kValidation)
-        result_.fitted_staged.push_back(Validate(result_.staged.cell, log));
+    std::vector<LogErrors> joint(recorded_.size());
+    std::vector<LogErrors> before(recorded_.size());
+    ParallelFor(2 * recorded_.size(), [&](std::size_t task) {
+      const LoadedLog& log = recorded_[task / 2];
+      const bool by_joint = task % 2 == 0;
+      if (!by_joint && log.entry.kind == LogKind::kValidation) return;
+      (by_joint ? joint : before)[task / 2] =
+          by_joint ? ValidateAsFlowing(log) : Validate(result_.staged.cell, log);
+    });
+    for (std::size_t l = 0; l < recorded_.size(); ++l) {
+      if (recorded_[l].entry.kind == LogKind::kValidation) {
+        result_.validation.push_back(std::move(joint[l]));
+      } else {
+        result_.fitted.push_back(std::move(joint[l]));
+        result_.fitted_staged.push_back(std::move(before[l]));
+      }
     }
+    if (campaign_.cutoff_V)
+      result_.constant_current = ValidateConstantCurrents(result_.cell, recorded_);
   }
 
   // What a --fix says is not as in the reference.
@@ -1133,7 +1138,9 @@ class JointRun {
   }
 
   const Campaign& campaign_;
-  const std::vector<LoadedLog>& logs_;
+  const std::vector<LoadedLog>& recorded_;
+  const std::vector<LoadedLog>& logs_;  // with the temperatures that are predicted
+  const PredictedTemperatures* warm_;   // by an earlier pass; may be none
   StagedOptions staged_options_;
   JointOptions options_;
   const StagedGiven& given_;
@@ -1160,12 +1167,12 @@ JointResult IdentifyJoint(const Campaign& campaign,
                           const JointOptions& options,
                           const StagedGiven& given,
                           const StageProgress& progress) {
-  const auto run = [&](const std::vector<LoadedLog>& all) {
-    return JointRun(campaign, all, staged_options, options, given, progress).Run();
-  };
   const std::optional<SteadyCurrents> steady = TakeOutCurrentNoise(recorded);
   const std::vector<LoadedLog>& logs = steady ? steady->logs : recorded;
-  JointResult taken = run(logs);
+  const auto run = [&](const PredictedTemperatures* warm) {
+    return JointRun(campaign, logs, staged_options, options, given, progress, warm).Run();
+  };
+  JointResult taken = run(nullptr);
   // The better the cell, the better the temperature that it predicts.
   constexpr int kMostPasses = 3;
   constexpr double kSettled = 0.95;
@@ -1173,11 +1180,7 @@ JointResult IdentifyJoint(const Campaign& campaign,
   for (int pass = 0; pass < kMostPasses; ++pass) {
     const auto warm = PredictTemperatures(taken.cell, logs);
     if (!warm) break;
-    JointResult next = run(warm->logs);
-    if (warm->assumed && next.cell.temperature && !next.cell.temperature->heat)
-      AssumeHeat(warm->by, next.cell);
-    // As warm as the cell itself says, which is what a user of its file gets.
-    JudgeByCell(campaign, logs, next);
+    JointResult next = run(&*warm);
     const double error_V = ErrorOfRows_V(next);
     const double before_V = ErrorOfRows_V(taken);
     next.wall_s += taken.wall_s;

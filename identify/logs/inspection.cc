@@ -65,7 +65,7 @@ std::string HeldInstead(const Record& record, const Discharge& discharge) {
   const bool power = spread(power_W) < kSteadier * moves;
   if (!(moves > kMoves) || !(power || spread(load_Ohm) < kSteadier * moves)) return "";
   return fmt::format(
-      "a discharge at a constant {} of {:.4g} {}: its current moves by {:.2g} %, and (4.53) is of a constant one",
+      "a discharge at a constant {} of {:.4g} {}: its current moves by {:.2g} %, and the law of discharge times (4.53) is one of constant currents",
       power ? "power" : "resistance",
       at(power ? power_W : load_Ohm, 0.5),
       power ? "W" : "Ohm",
@@ -107,8 +107,7 @@ Inspection InspectRows(const Record& record, const LogReport& report) {
   inspection.suggestion =
       report.flight ? Suggestion{std::nullopt, "a flight, which is no test of a laboratory"}
                     : SuggestKind(inspection.segments, inspection.discharge);
-  if (inspection.suggestion.kind == LogKind::kConstantCurrent ||
-      inspection.suggestion.kind == LogKind::kLowRate) {
+  if (inspection.suggestion.kind == LogKind::kConstantCurrent) {
     if (auto other = HeldInstead(record, *inspection.discharge); !other.empty())
       inspection.suggestion = {LogKind::kValidation, std::move(other)};
   }

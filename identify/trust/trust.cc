@@ -454,9 +454,9 @@ class Assessment {
   }
 
   // A new log has noise of its own, and in it the fit's error, which is what the fit has followed of
-  // the noise `drawn`: squares of both add. In the logs of the fit only what is `left` is seen. How slow
-  // the noise is is hardly to be seen there, and from it comes 1 or 5: what is found again from noise
-  // like it, on average, is taken (bagging), and its scatter counts.
+  // the noise `drawn`: squares of both add. In the logs of the fit only what is `left` is seen. How
+  // slow the noise is can hardly be told from that: one fit finds 1 where another finds 5. The mean of
+  // what noise like the residuals' leads to is therefore taken (bagging), and its scatter counts.
   void CompareNewWithFitted(const std::vector<Eigen::MatrixXd>& drawn,
                             const std::vector<Eigen::MatrixXd>& left) {
     const Eigen::Index series = options_.simulations;
