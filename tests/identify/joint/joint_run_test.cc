@@ -68,6 +68,23 @@ TEST(JointRun, FindsEveryParameterOfSyntheticCampaigns) {
   }
 }
 
+// What new logs err more, by the noise that the fit has followed, counts; less than held-out rows say does not.
+TEST(JointRun, TheErrorToExpectCountsWhatTheFitHasFollowed) {
+  const JointResult result = Identify(test::SyntheticLogs(TruthOf(), 5.0, 0.001));
+  const JointObservations seen(result.logs, result.setup);
+  TrustReport trust = AssessJoint(result);
+  const auto expected = [&](double new_over_fitted) {
+    trust.new_over_fitted.assign(result.logs.logs.size(), new_over_fitted);
+    return ExpectError(JointFit(seen, {}), result.logs, result.choice.best, trust).percent;
+  };
+  double own_percent = 0.0;
+  for (const LogErrors& log : result.fitted)
+    own_percent += log.all.mean_error_percent / static_cast<double>(result.fitted.size());
+  EXPECT_NEAR(expected(4.0), 4.0 * own_percent, 0.05 * own_percent);
+  EXPECT_EQ(expected(0.5), expected(0.1));
+  EXPECT_GT(expected(0.5), own_percent);
+}
+
 // A branch faster than two rows would smooth that noise: twenty-four of such campaigns had one each, and
 // resistances that were 2.4 % too small.
 TEST(JointRun, NoiseOfAnInstrumentIsNoBranch) {
