@@ -3,6 +3,7 @@
 import os
 import shutil
 
+from .machine import describe
 from .process import ROOT, run, say
 
 CHANGED = "model/battery/cell.h"
@@ -21,7 +22,9 @@ def measure():
     """The three figures, in a folder of their own that is made anew."""
     shutil.rmtree(FOLDER, ignore_errors=True)
     configure = run(["cmake", "--preset", "dev", "-B", FOLDER, "--log-level=WARNING"])
-    result = {"configure": configure.command, "cores": os.cpu_count(), "changed_file": CHANGED}
+    machine = describe(FOLDER)
+    result = {"configure": configure.command, "changed_file": CHANGED,
+              **{key: machine[key] for key in ("processor", "cores", "compiler", "commit")}}
     say("building lipoid from nothing")
     result["lipoid"] = build("lipoid")
     say("building the tests")

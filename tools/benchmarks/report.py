@@ -376,9 +376,9 @@ def builds(facts):
     return ("## Build times\n\nMeasured by `tools/build-times --out docs/benchmarks.json`, without the "
             "compiler cache, in a folder that is new:\n\n" + "".join(code(c) for c in commands)
             + "\n" + table(["", "goal / CPU minutes", "CPU minutes", "minutes by the clock"], lines)
-            + f"\nOn {facts['cores']} cores; the load average at the end was "
-            f"{facts['load_average_after']}, which is {facts['cores']} or less on a machine that "
-            "does nothing else.\n")
+            + f"\nCommit {facts['commit']}, {facts['compiler']}, on {facts['cores']} cores of "
+            f"{facts['processor']}; the load average at the end\nwas {facts['load_average_after']}, "
+            f"which is {facts['cores']} or less on a machine that does nothing else.\n")
 
 
 def pybop(stage, _):
