@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "identify/fit/cell_of_solution.h"
 #include "model/battery/exact_hold.h"
@@ -308,6 +309,7 @@ class Choosing {
       TryBothWays(structure);
       TryTerms(structure);
       if (given == 0) TryNodes();
+      if (!logs_.whole && best().nodes() != structure.nodes()) TrySimplerTerms();
       TryBranches();
       if (best().branches > structure.branches) TrySimpler();
       DropBranches();
@@ -474,7 +476,15 @@ class Choosing {
     JointStructure richer = structure;
     richer.temperature = true;
     if (options_.entropy == Presence::kOn) richer.entropy_soc = Entropies();
-    if (Search(richer) == choice_.taken) structure = richer;
+    std::vector<JointStructure> both{richer};
+    // What a slope of v_oc does at another temperature, tables and branches would follow.
+    if (MayHaveEntropy(richer)) {
+      both.push_back(richer);
+      both.back().entropy_soc = Entropies();
+    }
+    for (const std::size_t k : SearchEach(both)) {
+      if (k == choice_.taken) structure = best();
+    }
   }
 
   // What charge and discharge do not agree on: the voltage, or the charge itself. Each alone, as one
@@ -509,12 +519,23 @@ class Choosing {
 
   // Logs of one kind at several temperatures, or what differs between the kinds passes for the slope:
   // a slow discharge in the warm and pulses in the cold differ by hysteresis and polarisation, too.
+  [[nodiscard]] bool MayHaveEntropy(const JointStructure& structure) const {
+    return options_.entropy == Presence::kAuto && structure.temperature && !voltage_soc_.empty() &&
+           logs_.like_span_K >= kLeastSpan_K;
+  }
+
+  // The slope that was asked for beside fewer terms must be asked for beside these; one that is asked for
+  // only now may have been followed by terms and tables, which must be asked for beside it.
   void TryEntropy() {
-    if (options_.entropy != Presence::kAuto || !best().temperature || voltage_soc_.empty()) return;
-    if (logs_.like_span_K < kLeastSpan_K) return;
-    JointStructure richer = best();
-    richer.entropy_soc = Entropies();
-    Search(richer);
+    if (!MayHaveEntropy(best())) return;
+    JointStructure other = best();
+    if (!other.entropy_soc.empty()) {
+      other.entropy_soc.clear();
+      Simplify(other);
+      return;
+    }
+    other.entropy_soc = Entropies();
+    if (Search(other) == choice_.taken) TrySimpler();
   }
 
   // Energies that the left-out rows cannot tell apart are one: first those that are alike, then all.
@@ -630,28 +651,32 @@ class Choosing {
     }
   }
 
-  // Tables and terms that were asked for beside fewer branches must be asked for beside these. What is
-  // far worse at the rates that were found is not searched.
+  // Tables and terms that were asked for beside fewer branches must be asked for beside these.
   void TrySimpler() {
-    const auto simplify = [&](const JointStructure& simpler) {
-      constexpr double kFarWorse = 1.2;
-      const TriedStructure glance = Assess(AtFoundRates(simpler, rough_));
-      if (glance.errors.expected_V < kFarWorse * choice_.errors.expected_V) Simplify(simpler);
-    };
-    DropTerms(simplify);
+    TrySimplerTerms();
     if (options_.resistance_nodes > 0 || best().nodes() == 1) return;
     JointStructure simpler = best();
     simpler.resistance_soc = Nodes(1);
-    simplify(simpler);
+    SimplifyNear(simpler);
+  }
+  void TrySimplerTerms() {
+    DropTerms([&](const JointStructure& simpler) { SimplifyNear(simpler); });
+  }
+  // What is far worse at the rates that were found is not searched.
+  void SimplifyNear(const JointStructure& simpler) {
+    constexpr double kFarWorse = 1.2;
+    const TriedStructure glance = Assess(AtFoundRates(simpler, rough_));
+    if (glance.errors.expected_V < kFarWorse * choice_.errors.expected_V) Simplify(simpler);
   }
 
   // A term that was asked for beside other tables must be asked for beside these too.
   template <class Simplify>
   void DropTerms(Simplify&& simplify) {
-    for (bool JointStructure::*term :
-         {&JointStructure::self_heating, &JointStructure::charge_transfer}) {
-      const Presence wish =
-          term == &JointStructure::self_heating ? options_.self_heating : options_.charge_transfer;
+    using Term = std::pair<bool JointStructure::*, Presence>;
+    for (const auto& [term, wish] :
+         {Term{&JointStructure::self_heating, options_.self_heating},
+          Term{&JointStructure::charge_transfer, options_.charge_transfer},
+          Term{&JointStructure::current_offset, options_.current_offset}}) {
       if (!(best().*term) || wish != Presence::kAuto) continue;
       JointStructure simpler = best();
       simpler.*term = false;

@@ -30,6 +30,8 @@ constexpr double kSameRate = 0.1;
 
 // Below the highest voltage at rest before a load by more than this, a log does not start full.
 constexpr double kSameStart_V = 0.04;
+// The most that the open-circuit voltage of whole cells goes with the temperature.
+constexpr double kMostEntropy_V_per_K = 0.6e-3;
 // A full lithium cell rests above the first, or, if it is of iron phosphate, below the second.
 constexpr double kFullRest_V = 3.9;
 constexpr double kIronPhosphateRest_V = 3.45;
@@ -493,7 +495,7 @@ class Drafting {
                            low_rate_.inspection->start_voltage_V >= full_V - kSameStart_V;
     for (const Candidate& each : all_) {
       const double voltage_V = each.inspection->start_voltage_V;
-      if (!(voltage_V < full_V - kSameStart_V)) continue;
+      if (!(voltage_V < full_V - kSameStart_V - OfTemperature_V(each, *fullest))) continue;
       if (!reference) {
         each.entry->remarks.push_back(
             fmt::format("Rests at {:.4g} V before its first load, {} at {:.4g} V: if it does not "
@@ -512,6 +514,14 @@ class Drafting {
                       low_rate_.entry->log.file,
                       soc));
     }
+  }
+
+  // By how much the rest of a full cell may be lower for the temperature alone.
+  static double OfTemperature_V(const Candidate& one, const Candidate& other) {
+    const auto& warmth = one.inspection->temperature_degC;
+    const auto& other_warmth = other.inspection->temperature_degC;
+    if (!warmth || !other_warmth) return 0.0;
+    return kMostEntropy_V_per_K * std::abs(warmth->least - other_warmth->least);
   }
 
   // Where the slow discharge, corrected for the drop that its first edge shows, has this voltage.

@@ -267,6 +267,22 @@ TEST(Draft, ReadsTheStartOfALogFromTheLowRateOne) {
                                 "does not start full, say its `initial_soc`."}));
 }
 
+TEST(Draft, AFullCellRestsLowerInTheCold) {
+  std::vector<InspectedFile> files{Inspected("warm.csv", Falling(4.2, 2.0, 3600.0, 3.0)),
+                                   Inspected("cold.csv", Falling(4.15, 2.0, 3600.0, 3.0)),
+                                   Inspected("slow.csv", Falling(4.2, 0.1, 72000.0, 3.0))};
+  const auto start_of_cold = [&](double cold_degC) {
+    for (InspectedFile& file : files) {
+      const double degC = file.file == "cold.csv" ? cold_degC : 25.0;
+      file.inspection->temperature_degC = Spread{.least = degC, .largest = degC};
+    }
+    return DraftCampaign(files, "lab", "campaign.toml").campaign.logs[1].initial_soc;
+  };
+  // 50 mV: more than full cells differ by, and less than 45 K may add, 27 mV.
+  EXPECT_LT(start_of_cold(25.0), 0.99);
+  EXPECT_EQ(start_of_cold(-20.0), 1.0);
+}
+
 TEST(Draft, KnowsAPackByItsVoltage) {
   for (const auto& [highest_V, series] : {std::pair(4.2, 1),
                                           {4.9, 1},
