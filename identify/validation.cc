@@ -135,6 +135,15 @@ std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
   return doubt ? Sentence(*doubt) : "";
 }
 
+std::string DoubtAboutStart(const Cell& pack, Record record, double initial_soc) {
+  if (record.voltage_V.empty()) return "";
+  DivideByPack(record, pack.series, pack.parallel);
+  Cell one = pack;
+  one.series = one.parallel = 1;
+  const std::string at_rest = DoubtAboutStart(one.open_circuit_voltage, record, initial_soc);
+  return at_rest.empty() ? DoubtAboutLoadedStart(one, record, initial_soc) : at_rest;
+}
+
 std::string DoubtsAboutStarts(std::vector<StartDoubt> doubts, std::string_view of_others) {
   constexpr std::size_t kNamed = 5;
   if (doubts.empty()) return "";

@@ -9,11 +9,14 @@
 
 #include "identify/logs/csv/cells.h"
 #include "identify/logs/csv/text_source.h"
+#include "identify/validation.h"
+#include "model/battery/arrhenius.h"
 #include "model/battery/prediction.h"
 #include "model/battery/time_to_cutoff.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
+#include "model/export/export_error.h"
 
 namespace lipoid {
 namespace {
@@ -171,8 +174,7 @@ std::optional<double> CurrentOfPower(const CellModel<double>& model,
 void CutAtCutoff(const Cell& cell, ExportMission& mission) {
   // A cell at its cut-off is not yet below it.
   constexpr double kRounding_V = 1e-9;
-  const auto prediction =
-      Predict(cell, mission.time_s, mission.current_A, mission.hold, mission.initial_soc);
+  const auto prediction = ReferenceOf(cell, mission);
   const double least_V = cell.series * (cell.cutoff_V - kRounding_V);
   const auto& volts = prediction.voltage_V;
   const auto below =
@@ -180,6 +182,7 @@ void CutAtCutoff(const Cell& cell, ExportMission& mission) {
   const auto rows = static_cast<std::size_t>(below - volts.begin());
   mission.time_s.resize(rows);
   mission.current_A.resize(rows);
+  if (!mission.temperature_degC.empty()) mission.temperature_degC.resize(rows);
 }
 
 // How many steps lead from one row to the next.
@@ -317,12 +320,17 @@ ExportMission MissionOf(const Record& record, std::string name, double initial_s
   const bool backward =
       record.hold == Hold::kBackward;  // else what holds until a row belongs to it
   for (std::size_t k = 0; k < record.size(); ++k) {
-    const double current_A = record.current_A[backward || k == 0 ? k : k - 1];
-    const double begin_s = record.time_s[k > 0 ? k - 1 : k];
+    const std::size_t before = k > 0 ? k - 1 : k;
+    const double current_A = record.current_A[backward ? k : before];
+    const double begin_s = record.time_s[before];
     const double steps = StepsBetween(begin_s, record.time_s[k]);
     for (double step = 1.0; step <= steps; step += 1.0) {
       mission.time_s.push_back(EndOfStep(begin_s, record.time_s[k], step, steps));
       mission.current_A.push_back(current_A);
+      if (record.temperature_degC.empty()) continue;
+      const double begin_degC = record.temperature_degC[before];
+      mission.temperature_degC.push_back(begin_degC +
+                                         (record.temperature_degC[k] - begin_degC) * step / steps);
     }
   }
   return mission;
@@ -349,7 +357,7 @@ ExportMission MissionOf(const Cell& cell,
     for (double one = 1.0; one <= steps; one += 1.0) {
       const double time_s = EndOfStep(begin_s, power.time_s[k], one, steps);
       const double dt_s = k > 0 ? time_s - mission.time_s.back() : 0.0;
-      model.MakeStep(dt_s, step);
+      model.Prepare(step, dt_s, state);
       const auto current_A =
           CurrentOfPower(model, state, step, k > 0, power_W, cell.cutoff_V, largest_A);
       if (!current_A) return mission;
@@ -384,25 +392,40 @@ ReadPower ReadPowerFile(const std::string& file, const ReadOptions& options) {
   return read;
 }
 
-ReadMission MissionOfLog(const Cell& cell, const Log& log, double initial_soc) {
+ReadMission MissionOfLog(const Cell& cell, const Log& log, const StartRequest& start) {
   const std::string& file = log.record.file;
   const std::vector<double> time_s = log.record.time_s.ToVector();
   RequireLength(time_s, file);
+  Surroundings surroundings;
+  if (cell.temperature) surroundings.measured_degC = log.record.temperature_degC;
+  const double initial_soc = start.Soc(cell, surroundings);
   ReadMission read;
   read.mission = MissionOf(log.record, file, initial_soc);
+  if (!cell.temperature) read.mission.temperature_degC.clear();
+  if (std::string doubt = DoubtAboutStart(cell, log.record, initial_soc); !doubt.empty())
+    read.warnings.push_back(std::move(doubt));
+  if (const auto& warmth_degC = read.mission.temperature_degC; !warmth_degC.empty()) {
+    const auto [coldest, warmest] = std::minmax_element(warmth_degC.begin(), warmth_degC.end());
+    read.warnings.push_back(fmt::format(
+        "the cell has the temperature of the log, {:.3g} to {:.3g} degC (the cell file's reference is "
+        "{:g} degC): what is fitted and compared is the cell as it is there",
+        *coldest,
+        *warmest,
+        CelsiusOf(cell.temperature->reference_K)));
+  }
   return AboveCutoff(cell, file, time_s, std::move(read));
 }
 
 ReadMission ReadMissionFile(const Cell& cell,
                             const std::string& file,
                             const ReadOptions& options,
-                            double initial_soc) {
+                            const StartRequest& start) {
   const std::vector<std::string> names = HeaderOf(TextSource(file).head());
   if (!HasPower(names)) {
     ReadOptions how = options;
     how.voltage_optional = true;
     const Log log = ReadLogOfPower(file, how, names);
-    ReadMission read = MissionOfLog(cell, log, initial_soc);
+    ReadMission read = MissionOfLog(cell, log, start);
     read.warnings.insert(
         read.warnings.begin(), log.report.warnings.begin(), log.report.warnings.end());
     return read;
@@ -410,7 +433,7 @@ ReadMission ReadMissionFile(const Cell& cell,
   const PowerProfile profile = ReadPowerRows(file, options.hold);
   RequireLength(profile.time_s, file);
   ReadMission read;
-  read.mission = MissionOf(cell, profile, file, initial_soc);
+  read.mission = MissionOf(cell, profile, file, start.Soc(cell));
   return AboveCutoff(cell, file, profile.time_s, std::move(read));
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "identify/logs/log.h"
+#include "identify/pack_request.h"
 #include "model/export/exported.h"
 
 namespace lipoid {
@@ -41,7 +42,7 @@ inline constexpr double kDefaultRow_s = 0.1;
 /// between is part of what a target must follow.
 inline constexpr double kMissionStep_s = 1.0;
 
-/// The current of a record, from initial_soc.
+/// The current of a record, from initial_soc, and its temperature where it has one.
 [[nodiscard]] ExportMission MissionOf(const Record& record, std::string name, double initial_soc);
 
 /// Powers of the pack in W at increasing times; power_W[k] flows since times[k-1] (backward) or
@@ -75,17 +76,17 @@ struct ReadMission {
 };
 
 /// A log as simulate reads one, time_s,power_W, or a flight log of lipoid; without the rows from
-/// the first one on in which the cell is below its cut-off. LoadError where it is none of these,
-/// where fewer than kLeastSteps remain or no current flows, and where it is too long for the steps
-/// of a simulator.
+/// the first one on in which the cell is below its cut-off. A voltage of the log that contradicts the start
+/// is a warning. LoadError where it is none of these, where fewer than kLeastSteps remain or no current
+/// flows, and where it is too long for the steps of a simulator.
 inline constexpr std::size_t kLeastSteps = 10;
 inline constexpr std::size_t kMostSteps = 2'000'000;
 inline constexpr double kLongestMission_s = 7.0 * 86400.0;
 [[nodiscard]] ReadMission ReadMissionFile(const Cell& cell,
                                           const std::string& file,
                                           const ReadOptions& options,
-                                          double initial_soc);
+                                          const StartRequest& start);
 /// The same of a log that was read already, whose warnings were said then.
-[[nodiscard]] ReadMission MissionOfLog(const Cell& cell, const Log& log, double initial_soc);
+[[nodiscard]] ReadMission MissionOfLog(const Cell& cell, const Log& log, const StartRequest& start);
 
 }  // namespace lipoid

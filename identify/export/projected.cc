@@ -26,7 +26,7 @@ ExportMission ShareOf(ExportMission mission, int parallel) {
 SingleCell::SingleCell(const ExportRequest& request)
     : cell(OneOf(request.cell)),
       mission(ShareOf(request.mission, request.cell.parallel)),
-      reference(ReferenceOf(OneOf(request.whole ? *request.whole : request.cell), mission)),
+      reference(ReferenceOf(OneOf(request.Whole()), mission)),
       drawn_Ah(ChargeDrawn_Ah(cell, mission)) {}
 
 double SingleCell::TypicalResistance() const {

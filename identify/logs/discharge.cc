@@ -15,6 +15,7 @@
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -279,6 +280,27 @@ std::optional<Discharge> WholeDischarge(const Record& record) {
   return found;
 }
 
+namespace {
+
+// Of segments that might be rests, but for a small current in all of them.
+std::string DoubtAboutZero(const std::vector<Segment>& segments) {
+  constexpr double kSmall = 0.02;  // of the largest current
+  double largest_A = 0.0;
+  for (const Segment& segment : segments)
+    largest_A = std::max(largest_A, std::abs(segment.current_A));
+  std::vector<double> small_A;
+  for (const Segment& segment : segments) {
+    if (std::abs(segment.current_A) <= kSmall * largest_A) small_A.push_back(segment.current_A);
+  }
+  if (small_A.size() < 2) return "";
+  return fmt::format(
+      "; {:.3g} A flow between them: if the cell rests there, the zero of the current sensor is off by that, and is "
+      "to be subtracted first",
+      UpperMedian(std::move(small_A)));
+}
+
+}  // namespace
+
 std::vector<Segment> FindPulses(const Record& record) {
   auto segments = FindSegments(record);
   std::size_t loads = 0;
@@ -294,9 +316,10 @@ std::vector<Segment> FindPulses(const Record& record) {
            "expected pulses, found no current but rest over " + Counted(record.size(), "row"));
   Refuse(record,
          fmt::format("expected pulses with rests between them, found {} and no rest after "
-                     "any; a discharge is of kind \"constant-current\", any other load of kind "
+                     "any{}; a discharge is of kind \"constant-current\", any other load of kind "
                      "\"validation\"",
-                     Counted(loads, "load")));
+                     Counted(loads, "load"),
+                     DoubtAboutZero(segments)));
 }
 
 }  // namespace lipoid

@@ -16,6 +16,7 @@ namespace lipoid {
 namespace {
 
 constexpr double kLonger = 10.0;
+constexpr double kHour_s = 3600.0;
 constexpr std::size_t kNeighbours = 5;
 // Intervals that differ by more than this among neighbours are those of a logger that writes a row
 // when something changes.
@@ -45,6 +46,15 @@ bool OutOfProportion(std::span<const double> time_s, std::size_t row) {
   const double before_s = UpperMedian(Differences(time_s, FirstBefore(row), row - 1));
   const double after_s = UpperMedian(Differences(time_s, row + 1, row + kNeighbours));
   return time_s[row] - time_s[row - 1] > kLonger * std::fmax(before_s, after_s);
+}
+
+// An hour more than all intervals around, which are alike: the clock was put forward to summer time.
+bool IsAnHourMore(std::span<const double> time_s, std::size_t row) {
+  constexpr double kAlike = 0.01;
+  const Extent around = FindExtent(Around(time_s, row));
+  const double more_s = time_s[row] - time_s[row - 1] - around.most;
+  return more_s > 0.0 && around.most - around.least <= kAlike * around.most &&
+         std::abs(more_s - kHour_s) <= kAlike * around.most;
 }
 
 // A logger that writes a row when something changes had nothing to write.
@@ -84,8 +94,9 @@ std::vector<Gap> FindGaps(const Record& record) {
   double rest_A = -1.0;  // not known before it is needed: most logs have no long interval
   for (std::size_t k = 2; k < time_s.size(); ++k) {
     const double length_s = time_s[k] - time_s[k - 1];
-    if (length_s <= kLonger * (time_s[k - 1] - time_s[k - 2])) continue;  // most rows end here
-    if (!OutOfProportion(time_s, k)) continue;
+    const double before_s = time_s[k - 1] - time_s[k - 2];
+    if (length_s <= kLonger * before_s && length_s < kHour_s) continue;  // most rows end here
+    if (!OutOfProportion(time_s, k) && !IsAnHourMore(time_s, k)) continue;
     if (rest_A < 0.0) rest_A = RestThreshold(record);
     const bool at_rest =
         std::abs(record.current_A[k - 1]) <= rest_A && std::abs(record.current_A[k]) <= rest_A;
@@ -97,6 +108,76 @@ std::vector<Gap> FindGaps(const Record& record) {
         {.row = k, .start_s = time_s[k - 1], .length_s = length_s, .unknown_C = length_s * most_A});
   }
   return gaps;
+}
+
+namespace {
+
+// Of the highest voltage at rest so far: a cell that rests above the first part of it is back there, and one that
+// rested below the second had left it.
+constexpr double kBack = 0.988;
+constexpr double kLeft = 0.975;
+// The same where no rest lies between: the first rest after a discharge may be high on a flat curve.
+constexpr double kBackAtOnce = 0.998;
+// Of the charge that the record moves, what has left since.
+constexpr double kLeastGone = 0.1;
+constexpr double kLeastGoneAtOnce = 0.5;
+
+// Most discharges are never as high again as in their first rows, which is seen without asking where they rest.
+bool MayBeBack(std::span<const double> voltage_V) {
+  const double high_V = kBack * FindExtent(voltage_V).most;
+  const auto is_high = [&](double v) { return v >= high_V; };
+  const auto first = std::find_if(voltage_V.begin(), voltage_V.end(), is_high);
+  const auto last = std::find_if(voltage_V.rbegin(), voltage_V.rend(), is_high).base();
+  return first < last && *std::min_element(first, last) <= kLeft * high_V;
+}
+
+}  // namespace
+
+std::vector<Gap> FindUnseenRecharges(const Record& record) {
+  const Column& v = record.voltage_V;
+  if (v.size() < 3 || !MayBeBack(v)) return {};
+  std::vector<Gap> recharges;
+  const double rest_A = RestThreshold(record);
+  const double range_C = CountCharge(record).range_C();
+  const std::vector<double> left_C = DeliveredCharge(record);
+  constexpr auto kNone = static_cast<std::size_t>(-1);
+  std::size_t top = kNone;     // the highest rest since the last recharge
+  std::size_t lowest = kNone;  // the lowest rest after it
+  const auto lowest_before = [&](std::size_t row) {
+    return static_cast<std::size_t>(std::min_element(v.begin() + top, v.begin() + row) - v.begin());
+  };
+  for (std::size_t k = 0; k < v.size(); ++k) {
+    if (std::abs(record.current_A[k]) > rest_A) continue;
+    if (top == kNone || v[k] > v[top]) {
+      // Higher than ever, after charge has left: the curve does not rise by that either.
+      if (top == kNone || left_C[k] - left_C[top] < kLeastGone * range_C) {
+        top = k;
+        lowest = kNone;
+        continue;
+      }
+    }
+    const double gone_C = left_C[k] - left_C[top];
+    const bool rested = lowest != kNone && v[lowest] <= kLeft * v[k];
+    const bool back = rested ? v[k] >= kBack * v[top] && gone_C >= kLeastGone * range_C
+                             : v[k] >= kBackAtOnce * v[top] && gone_C >= kLeastGoneAtOnce * range_C;
+    const std::size_t low = back ? rested ? lowest : lowest_before(k) : kNone;
+    if (back && v[low] <= kLeft * v[k]) {
+      std::size_t begin = low + 1;  // the largest rise on the way
+      for (std::size_t j = low + 1; j <= k; ++j) {
+        if (v[j] - v[j - 1] > v[begin] - v[begin - 1]) begin = j;
+      }
+      recharges.push_back({.row = begin,
+                           .start_s = record.time_s[begin - 1],
+                           .length_s = record.time_s[begin] - record.time_s[begin - 1],
+                           .unknown_C = gone_C,
+                           .recharge = true});
+      top = k;
+      lowest = kNone;
+      continue;
+    }
+    if (lowest == kNone || v[k] < v[lowest]) lowest = k;
+  }
+  return recharges;
 }
 
 namespace {
@@ -117,11 +198,25 @@ const Gap& LargestOf(const std::vector<Gap>& gaps) {
 
 std::string GapsText(const std::vector<Gap>& gaps) {
   const Gap& most = LargestOf(gaps);
-  return fmt::format("{} of {:.4g} s after {:.10g} s, in which up to {:.3g} Ah may have flowed",
-                     gaps.size() == 1 ? "a gap" : fmt::format("{} gaps, the largest", gaps.size()),
-                     most.length_s,
-                     most.start_s,
-                     UnknownCharge(gaps) / 3600.0);
+  if (most.recharge) {
+    return fmt::format(
+        "{} of some {:.3g} Ah between {:.10g} and {:.10g} s, where the voltage at rest comes back without a "
+        "current: a test begins there anew",
+        gaps.size() == 1 ? "a recharge"
+                         : fmt::format("{} gaps, the largest a recharge", gaps.size()),
+        most.unknown_C / 3600.0,
+        most.start_s,
+        most.start_s + most.length_s);
+  }
+  return fmt::format(
+      "{} of {:.4g} s after {:.10g} s, in which up to {:.3g} Ah may have flowed{}",
+      gaps.size() == 1 ? "a gap" : fmt::format("{} gaps, the largest", gaps.size()),
+      most.length_s,
+      most.start_s,
+      UnknownCharge(gaps) / 3600.0,
+      most.length_s > kHour_s && most.length_s <= 1.5 * kHour_s
+          ? " (if a clock was put forward to summer time, export the time since the start)"
+          : "");
 }
 
 void RefuseUnknownCharge(const Record& record,

@@ -15,7 +15,8 @@ namespace lipoid {
 /// after the gap a guess.
 inline constexpr double kMostUnknownCharge = 2e-3;
 
-/// Intervals longer than ten times the usual one on either side, with a load at one end or both.
+/// Intervals longer than ten times the usual one on either side, or by an hour than those around, which are all
+/// alike (a clock that was put forward), with a load at one end or both.
 ///
 /// Between two rows at rest it is one where the voltage moves against the relaxation from the last load by
 /// more than half a per cent and than noise, and the largest current may have flowed in it.
@@ -25,6 +26,11 @@ inline constexpr double kMostUnknownCharge = 2e-3;
 /// row when something changes, a long interval over which nothing changed. Rows without a voltage
 /// count too.
 [[nodiscard]] std::vector<Gap> FindGaps(const Record& record);
+
+/// Recharges that no row shows, as between two tests that stand in one file: at rest the voltage is back where it was
+/// (within 1.2 %; within 0.2 % where no rest lies between) before a tenth of the charge that the record moves had left
+/// (half of it), and was 2.5 % lower in between. Discharge is positive. None without voltages.
+[[nodiscard]] std::vector<Gap> FindUnseenRecharges(const Record& record);
 
 /// "a gap of 30 s after 100 s, in which up to 0.0167 Ah may have flowed"; of several the one with the
 /// most charge, and the charge of all. At least one.

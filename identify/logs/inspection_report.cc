@@ -59,7 +59,7 @@ std::string DroppedText(const LogReport& report) {
   add(report.dropped_repeated_times, "with a repeated time stamp");
   add(report.dropped_unselected, "outside the chosen part");
   add(report.dropped_cut_last_line, "cut short at the end");
-  add(report.dropped_spikes, "with a voltage that cannot be");
+  add(report.dropped_spikes, "with a voltage or a current that cannot be");
   add(report.dropped_unknown, "whose voltage or current the autopilot did not know");
   return fmt::format("{}", fmt::join(parts, ", "));
 }

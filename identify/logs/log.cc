@@ -215,34 +215,60 @@ void DropImpossibleTemperatures(Log& log) {
   temperature_degC.clear();
 }
 
-// A reading that failed would be fitted like any other.
-void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
-  const std::vector<std::size_t> spikes = FindSpikes(log.record);
+// What one of the two columns has at `spikes`, which no other row has.
+std::string SpikesText(const Record& record, const std::vector<std::size_t>& spikes, bool current) {
+  const Column& values = current ? record.current_A : record.voltage_V;
+  const double largest =
+      values[*std::max_element(spikes.begin(), spikes.end(), [&](std::size_t a, std::size_t b) {
+        return std::abs(values[a]) < std::abs(values[b]);
+      })];
+  const std::string what = current ? "current" : "voltage";
+  const std::string unit = current ? "A" : "V";
+  const char* const still = current ? ", which the voltage does not follow" : "";
+  return spikes.size() == 1
+             ? fmt::format(
+                   "1 row dropped: a {} of {:.4g} {} at {:.10g} s, far outside "
+                   "the range of all other rows{}",
+                   what,
+                   largest,
+                   unit,
+                   record.time_s[spikes[0]],
+                   still)
+             : fmt::format(
+                   "{} rows dropped: {}s up to {:.4g} {}, the first at {:.10g} s, each "
+                   "far outside the range of all other rows{}",
+                   spikes.size(),
+                   what,
+                   largest,
+                   unit,
+                   record.time_s[spikes[0]],
+                   still);
+}
+
+void DropRowsOfSpikes(Log& log,
+                      std::vector<std::int8_t>& directions,
+                      const std::vector<std::size_t>& spikes,
+                      bool current) {
   if (spikes.empty()) return;
   Record& record = log.record;
-  const double largest_V = record.voltage_V[*std::max_element(
-      spikes.begin(), spikes.end(), [&](std::size_t a, std::size_t b) {
-        return std::abs(record.voltage_V[a]) < std::abs(record.voltage_V[b]);
-      })];
-  log.report.warnings.push_back(
-      spikes.size() == 1
-          ? fmt::format("1 row dropped: a voltage of {:.4g} V at {:.10g} s, far outside "
-                        "the range of all other rows",
-                        largest_V,
-                        record.time_s[spikes[0]])
-          : fmt::format("{} rows dropped: voltages up to {:.4g} V, the first at {:.10g} s, each "
-                        "far outside the range of all other rows",
-                        spikes.size(),
-                        largest_V,
-                        record.time_s[spikes[0]]));
+  log.report.warnings.push_back(SpikesText(record, spikes, current));
   if (log.report.thinned) {
     for (const std::size_t row : spikes)
       log.report.thinned->spikes_s.push_back(std::as_const(record.time_s)[row]);
   }
   DropRows(record, spikes);
   DropRows(directions, spikes);
-  log.report.dropped_spikes = spikes.size();
+  log.report.dropped_spikes += spikes.size();
   log.report.rows -= spikes.size();
+}
+
+// A reading that failed would be fitted like any other. A small spike of the current shows once a larger
+// one is gone.
+void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
+  DropRowsOfSpikes(log, directions, FindSpikes(log.record), false);
+  constexpr int kSizes = 3;
+  for (int n = 0; n < kSizes; ++n)
+    DropRowsOfSpikes(log, directions, FindCurrentSpikes(log.record), true);
 }
 
 void AddNotes(const TextSource& source,
@@ -308,6 +334,16 @@ void FinishLog(Log& log, const ReadOptions& options) {
                         : "the clock is coarser than the rows; export the times with more digits"));
   }
   log.report.gaps = FindGaps(log.record);
+  if (!log.report.flight && log.report.current_sign != "unsigned") {
+    for (const Gap& recharge : FindUnseenRecharges(log.record)) {
+      const auto same = [&](const Gap& gap) { return gap.row == recharge.row; };
+      std::erase_if(log.report.gaps, same);
+      log.report.gaps.push_back(recharge);
+    }
+    std::sort(log.report.gaps.begin(), log.report.gaps.end(), [](const Gap& a, const Gap& b) {
+      return a.row < b.row;
+    });
+  }
   if (!log.report.gaps.empty())
     log.report.warnings.push_back(GapsText(log.report.gaps) + " unseen");
   if (auto doubt = log.report.flight ? "" : DoubtAboutTime(log.record); !doubt.empty())

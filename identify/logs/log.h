@@ -76,6 +76,7 @@ struct Gap {
   double length_s = 0.0;
   double unknown_C =
       0.0;  ///< what the larger of the two currents at its ends would have moved; in a rest the largest of all
+  bool recharge = false;  ///< the cell rests as high after it as before unknown_C had left
 };
 
 /// From this row on, the rows belong to this step and this cycle of the cycler's program.
@@ -130,7 +131,7 @@ struct LogReport {
   std::size_t dropped_repeated_times = 0;  ///< of repeated time stamps the first row is kept
   std::size_t dropped_unselected = 0;      ///< outside steps, cycles, start_s .. end_s
   std::size_t dropped_cut_last_line = 0;   ///< a last line that the logger did not finish
-  std::size_t dropped_spikes = 0;          ///< rows whose voltage cannot be (spikes.h)
+  std::size_t dropped_spikes = 0;          ///< rows whose voltage or current cannot be (spikes.h)
   std::size_t dropped_unknown = 0;         ///< rows of which an autopilot did not know a value
   std::string current_sign;         ///< "discharge-positive", "discharge-negative", "unsigned"
   std::string current_sign_reason;  ///< one sentence

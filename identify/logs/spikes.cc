@@ -6,6 +6,7 @@
 #include <span>
 
 #include "identify/logs/columns.h"
+#include "model/core/special_values.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -69,35 +70,98 @@ std::vector<std::size_t> FindDeadRows(const Column& v) {
   return rows;
 }
 
+// The extent of all rows but some, in their order.
+Extent ExtentWithout(std::span<const double> values, const std::vector<std::size_t>& rows) {
+  Extent others;
+  std::size_t from = 0;
+  const auto take = [&](std::size_t to) {
+    const Extent part = FindExtent(values.subspan(from, to - from));
+    others.least = std::min(others.least, part.least);
+    others.most = std::max(others.most, part.most);
+    from = to + 1;
+  };
+  for (const std::size_t row : rows) take(row);
+  take(values.size());
+  return others;
+}
+
+// Rows that are reached by a jump of more than this and left by one back.
+std::vector<std::size_t> JumpsAndBacks(std::span<const double> values, double least) {
+  // Most pieces have no jump at all, which is seen without looking at each row.
+  constexpr std::size_t kPiece = 1024;
+  std::vector<std::size_t> rows;
+  for (std::size_t first = 1; first + 1 < values.size(); first += kPiece) {
+    const std::size_t end = std::min(first + kPiece, values.size() - 1);
+    if (LargestJump(values, first, end) <= least) continue;
+    for (std::size_t k = first; k < end; ++k) {
+      if (JumpAndBack(values, k) > least) rows.push_back(k);
+    }
+  }
+  return rows;
+}
+
+// What steps of the current do to the voltage, in the row or the one after it: the median of some that
+// are at least half the range of the current, and touch none of `without`. NaN where there are none.
+double OhmsOfSteps(const Record& record, double range_A, const std::vector<std::size_t>& without) {
+  constexpr std::size_t kEnough = 31;
+  const Column& i = record.current_A;
+  const Column& v = record.voltage_V;
+  std::vector<double> ohms;
+  for (std::size_t k = 1; k + 1 < v.size() && ohms.size() < kEnough; ++k) {
+    const double step_A = std::abs(i[k] - i[k - 1]);
+    if (!(step_A >= 0.5 * range_A)) continue;
+    const auto near = std::lower_bound(without.begin(), without.end(), k - 1);
+    if (near != without.end() && *near <= k) continue;
+    ohms.push_back(std::max(std::abs(v[k] - v[k - 1]), std::abs(v[k + 1] - v[k - 1])) / step_A);
+  }
+  return ohms.empty() ? kNaN : Median(std::move(ohms));
+}
+
 }  // namespace
+
+std::vector<std::size_t> FindCurrentSpikes(const Record& record) {
+  const Column& i = record.current_A;
+  const Column& v = record.voltage_V;
+  if (v.size() < 4) return {};
+  const Extent all = FindExtent(i);
+  // What leaves the range of the others by half of it is a third of the whole, at least.
+  constexpr double kThird = 0.33;
+  std::vector<std::size_t> rows = JumpsAndBacks(i, kThird * (all.most - all.least));
+  if (rows.empty()) return {};
+  const Extent others = ExtentWithout(i, rows);
+  if (!(others.least <= others.most)) return {};
+  const double range_A = others.most - others.least;
+  const double largest_A = std::max(std::abs(others.least), std::abs(others.most));
+  const double margin_A = kBeyond * std::max(range_A, largest_A);
+  std::erase_if(rows, [&](std::size_t row) {
+    return i[row] <= others.most + margin_A && i[row] >= others.least - margin_A;
+  });
+  if (rows.empty()) return {};
+  const double ohms = OhmsOfSteps(record, range_A, rows);
+  std::erase_if(rows, [&](std::size_t row) {
+    const double step_A = JumpAndBack(i, row);
+    double moved_V = std::abs(v[row] - v[row - 1]);
+    for (std::size_t k = row + 1; k < std::min(row + 3, v.size()); ++k)
+      moved_V = std::max(moved_V, std::abs(v[k] - v[k - 1]));
+    constexpr double kFollows = 0.25;
+    constexpr double kStill_V = 0.005;
+    constexpr double kManyTimes = 5.0;
+    return std::isnan(ohms) ? moved_V > kStill_V || step_A < kManyTimes * largest_A
+                            : !(moved_V < kFollows * ohms * step_A);
+  });
+  return rows;
+}
 
 std::vector<std::size_t> FindSpikes(const Record& record) {
   const Column& v = record.voltage_V;
   if (v.size() < 4) return {};
   const std::vector<std::size_t> dead = FindDeadRows(v);
-  // Most pieces have no jump at all, which is seen without looking at each row.
-  constexpr std::size_t kPiece = 1024;
-  std::vector<std::size_t> candidates = dead;
-  for (std::size_t first = 1; first + 1 < v.size(); first += kPiece) {
-    const std::size_t end = std::min(first + kPiece, v.size() - 1);
-    if (LargestJump(v, first, end) <= kLeastJump_V) continue;
-    for (std::size_t k = first; k < end; ++k) {
-      if (JumpAndBack(v, k) > kLeastJump_V) candidates.push_back(k);
-    }
-  }
+  std::vector<std::size_t> candidates = JumpsAndBacks(v, kLeastJump_V);
+  candidates.insert(candidates.end(), dead.begin(), dead.end());
   if (candidates.empty()) return {};
   std::sort(candidates.begin(), candidates.end());
   candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-  Extent others;
-  std::size_t from = 0;
-  const auto take = [&](std::size_t to) {
-    const Extent part = FindExtent(std::span(v).subspan(from, to - from));
-    others.least = std::min(others.least, part.least);
-    others.most = std::max(others.most, part.most);
-    from = to + 1;
-  };
-  for (const std::size_t row : candidates) take(row);
-  take(v.size());
+  const Extent others = ExtentWithout(v, candidates);
   if (!(others.least <= others.most)) return {};
   const double margin_V = std::max(kLeastJump_V, kBeyond * (others.most - others.least));
   std::erase_if(candidates, [&](std::size_t row) {

@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// Rows whose voltage cannot be: a reading that failed, alone between two that did not.
+/// Rows whose voltage or current cannot be: a reading that failed, alone between two that did not.
 /// Tests: tests/identify/logs/spikes_test.cc.
 
 #include <cstddef>
@@ -17,5 +17,11 @@ namespace lipoid {
 /// The first and the last row have a neighbour on one side only and are never among them: a discharge
 /// may well end on a cliff. Linear in the number of rows.
 [[nodiscard]] std::vector<std::size_t> FindSpikes(const Record& record);
+
+/// Rows whose current leaves the range of all other rows by half of it, while the rows beside them stay
+/// within it and the voltage moves by less than a quarter of what other steps of the current make it move
+/// (where there are none, by less than 5 mV under five times the largest current). Never the first or the
+/// last row; none of a record without voltages.
+[[nodiscard]] std::vector<std::size_t> FindCurrentSpikes(const Record& record);
 
 }  // namespace lipoid

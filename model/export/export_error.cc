@@ -35,11 +35,16 @@ Largest Compare(std::span<const double> truth, std::span<const double> law) {
 }  // namespace
 
 Prediction ReferenceOf(const Cell& cell, const ExportMission& mission) {
-  return Predict(cell, mission.time_s, mission.current_A, mission.hold, mission.initial_soc);
+  return Predict(cell,
+                 mission.time_s,
+                 mission.current_A,
+                 mission.hold,
+                 mission.initial_soc,
+                 {.measured_degC = mission.temperature_degC});
 }
 
 Prediction ReferenceOf(const ExportRequest& request) {
-  return ReferenceOf(request.whole ? *request.whole : request.cell, request.mission);
+  return ReferenceOf(request.Whole(), request.mission);
 }
 
 ExportError VoltageError(const Prediction& cell,

@@ -28,6 +28,9 @@ struct ExportMission {
   std::vector<double> current_A;  ///< of the whole pack, discharge positive
   Hold hold = Hold::kBackward;
   double initial_soc = 1.0;
+  /// Of a cell that knows temperature, as it was measured in each row; empty: it starts at its reference
+  /// temperature and warms by itself.
+  std::vector<double> temperature_degC = {};
 
   /// The current over the interval that ends with row k > 0.
   [[nodiscard]] double FlowBefore_A(std::size_t k) const {
@@ -46,6 +49,7 @@ struct ExportRequest {
   /// The cell with what no target holds (SetCell in identify/export/law_limits.h); none: the same.
   std::optional<Cell> whole = {};
   std::vector<std::string> left_out = {};  ///< sentences on that
+  [[nodiscard]] const Cell& Whole() const { return whole ? *whole : cell; }
   std::string source;  ///< the cell file or the name of a shipped cell, as typed
   std::string sha256;  ///< of the cell file's bytes
   ExportMission mission;

@@ -335,9 +335,12 @@ Exported ExportFmi(const ExportRequest& request) {
   exported.notes = folded.notes;
   exported.notes.push_back(fmt::format(
       "The law is the cell's own{}; the error is that of co-simulation, whose step is exact for an input "
-      "that is held, whatever its length{}; in model exchange the tolerance of the solver comes on top.",
+      "that is held, whatever its length{}; in model exchange the tolerance of the solver comes on top{}.",
       WithoutWhatNoTargetHolds(request),
-      ButForTables(folded.cell)));
+      ButForTables(folded.cell),
+      ButForTables(folded.cell).empty()
+          ? ""
+          : ", and that resistance is followed within a step, as by fine rows"));
   exported.notes.emplace_back(
       "Under power_W a step is divided into parts of at most 0.05 s, each with the mean of the "
       "currents at its ends. More power than the pack can give is answered by fmi" +

@@ -43,6 +43,12 @@ struct ModuleName {
 };
 ModuleName NameOf(const ExportRequest& request, const std::string& name) {
   const std::string& stem = request.stem.empty() ? name : request.stem;
+  for (const char* package : {"pybamm", "numpy"}) {
+    if (stem != package) continue;
+    throw OptionError(fmt::format(
+        "option -o: {0}.py would hide the package {0} from every program of its folder; give another name",
+        package));
+  }
   if (stem == Identifier(stem)) return {stem, stem, "import pybamm, " + stem};
   // Between quotation marks, within a text of three of them.
   const bool quotable = std::none_of(stem.begin(), stem.end(), [](unsigned char c) {

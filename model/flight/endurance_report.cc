@@ -89,12 +89,33 @@ Json SpeedsToJson(const BestSpeeds& speeds) {
           {"fastest_m_per_s", speeds.fastest_m_per_s}};
 }
 
-// When to land. Where the load varies, or a cold pack warms, the voltage under load was as low before.
-std::string LandWhen(const EnduranceResult& result) {
-  constexpr double kSame_V = 0.01;  // as it is printed
-  if (result.minimum_voltage_V >= result.landing_voltage_V - kSame_V)
+// What a volt of the rested pack is worth near this state of charge.
+double ChargePerVolt(const Cell& cell, double soc) {
+  constexpr double kBeside = 0.05;
+  const auto& curve = cell.open_circuit_voltage;
+  return 2.0 * kBeside / (cell.series * (curve(soc + kBeside) - curve(soc - kBeside)));
+}
+
+// When to land. Where the load varies, or a cold pack warms, the voltage under load was as low before, and
+// where the curve is flat what is printed stands for much of the charge.
+std::string LandWhen(const EnduranceRequest& request, const EnduranceResult& result) {
+  constexpr double kHalfDigit_V = 0.005;
+  constexpr double kMostOfRounding = 0.02;
+  constexpr double kMostBefore = 0.01;
+  const double per_V = ChargePerVolt(request.cell, result.rest_soc);
+  const double before_V = result.landing_voltage_V - result.minimum_voltage_V;
+  const bool fine = kHalfDigit_V * per_V <= kMostOfRounding;
+  if (fine && before_V * per_V <= kMostBefore)
     return fmt::format("land when the battery falls to {:.2f} V in flight.",
                        result.landing_voltage_V);
+  if (!fine) {
+    return fmt::format(
+        "land when {:.0f} mAh are used; the pack then rests at {:.3f} V. The voltage in flight does not tell it: "
+        "0.01 V are {:.0f} % of the charge there.",
+        1e3 * result.charge_C / kSecondsPerHour,
+        result.landing_rest_voltage_V,
+        std::min(100.0, 100.0 * 2.0 * kHalfDigit_V * per_V));
+  }
   return fmt::format(
       "land when {:.0f} mAh are used; the pack then rests at {:.2f} V. The voltage in flight does not tell it: "
       "{:.2f} V at the end, and down to {:.2f} V before.",
@@ -111,7 +132,7 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
     case MissionEnd::kReserve:
       return fmt::format("The reserve of {:g} % of the charge was reached: {}",
                          100.0 * request.reserve.value,
-                         LandWhen(result));
+                         LandWhen(request, result));
     case MissionEnd::kCutOff:
       return fmt::format(
           "The battery was below its cut-off of {:.4g} V for a second, with {:.1f} % "

@@ -74,11 +74,12 @@ nb::tuple ExportCell(const PythonCell& cell,
   request.stem = std::filesystem::path(path).stem().string();
   std::vector<std::string> warnings;
   if (made.mission) {
-    const double soc = made.start.Soc(request.cell);
     ReadMission read =
         nb::isinstance<PythonLog>(*made.mission)
-            ? MissionOfLog(request.cell, nb::cast<const PythonLog&>(*made.mission).Lent(), soc)
-            : ReadMissionFile(request.cell, PathOf(*made.mission), ReadingRequest{}.Resolve(), soc);
+            ? MissionOfLog(
+                  request.Whole(), nb::cast<const PythonLog&>(*made.mission).Lent(), made.start)
+            : ReadMissionFile(
+                  request.Whole(), PathOf(*made.mission), ReadingRequest{}.Resolve(), made.start);
     request.mission = std::move(read.mission);
     warnings = std::move(read.warnings);
   } else if (made.start.given()) {

@@ -122,7 +122,7 @@ LogErrors ErrorsOf(const Cell& pack,
   }
   const Surroundings among = surroundings.Of(record);
   const double initial_soc = start.Soc(pack, among);
-  doubt = DoubtAboutStart(one.open_circuit_voltage, record, initial_soc);
+  doubt = DoubtAboutStart(one, record, initial_soc);
   return Validate(one, record, initial_soc, among);
 }
 

@@ -122,8 +122,8 @@ nb::object ColumnOf(const PythonLog& self, Column Record::*column) {
 // Every member of what reading found, each once: a member that is added does not compile until it
 // stands here, too.
 auto MembersOf(auto& of) requires std::is_same_v<std::remove_cvref_t<decltype(of)>, Gap> {
-  auto& [row, start_s, length_s, unknown_C] = of;
-  return std::tie(row, start_s, length_s, unknown_C);
+  auto& [row, start_s, length_s, unknown_C, recharge] = of;
+  return std::tie(row, start_s, length_s, unknown_C, recharge);
 }
 
 auto MembersOf(auto& of) requires std::is_same_v<std::remove_cvref_t<decltype(of)>, RowLabel> {

@@ -234,11 +234,13 @@ class ReportTest(unittest.TestCase):
     def test_build_times_are_minutes_beside_their_goals(self):
         figures = {"command": "cmake --build x", "processor_s": 330.0, "wall_s": 180.0}
         text = report.builds({"configure": "cmake --preset dev", "cores": 2, "changed_file": "a.h",
+                              "processor": "P", "compiler": "c++ 12", "commit": "0123abc",
                               "lipoid": figures, "tests": {**figures, "processor_s": 90.0},
                               "changed": figures, "load_average_after": 2.1})
         self.assertIn("| the program, from nothing (`tools/demo`) | 7 | 5.50 | 3.00 |", text)
         self.assertIn("(`tools/test`) | 7 | 1.50 | 3.00 |", text)
         self.assertIn("| all again after a change of `a.h` | 4 | 5.50 | 3.00 |", text)
+        self.assertIn("Commit 0123abc, c++ 12, on 2 cores of P;", text)
 
     def test_the_joint_method_has_a_row_for_every_campaign(self):
         text = report.joint(joint_result()["stages"]["joint"], None)

@@ -538,6 +538,24 @@ TEST(EnduranceCommand, OfAVaryingPowerTheChargeSaysWhenToLand) {
             std::string::npos);
 }
 
+// Of iron phosphate a hundredth of a volt is much of the charge, also under a steady load.
+TEST(EnduranceCommand, OnAFlatCurveTheChargeSaysWhenToLand) {
+  const auto folder = TestFolder();
+  Json flat = Json::parse(ReadText(SourcePath("fixtures/cells/gifi-600mAh-1.json")));
+  flat["cutoff_V"] = 2.5;
+  flat["open_circuit_voltage"] = {{"method", "linear"},
+                                  {"soc", {0.0, 0.1, 0.2, 0.35, 0.65, 0.7, 0.95, 1.0}},
+                                  {"voltage_V", {2.6, 3.15, 3.23, 3.285, 3.29, 3.325, 3.33, 3.4}}};
+  WriteText(folder + "/flat.json", flat.dump());
+  WriteText(folder + "/power.csv", "time_s,power_W\n0,2\n60,2\n");
+  const auto summary = SummaryOf(
+      folder, {"--cell", "flat.json", "--mission", "power=power.csv", "--reserve", "0.5"});
+  EXPECT_EQ(
+      summary.at("sentences")[0],
+      "The reserve of 50 % of the charge was reached: land when 188 mAh are used; the pack then rests at 3.287 V. "
+      "The voltage in flight does not tell it: 0.01 V are 60 % of the charge there.");
+}
+
 TEST(EnduranceCommand, SaysThatTheWayBackIsNotFlown) {
   const auto folder = TestFolder();
   const std::string there =

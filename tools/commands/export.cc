@@ -197,8 +197,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
     }
     request.mission = DefaultMission(request.cell);
   } else {
-    ReadMission read =
-        ReadMissionFile(request.cell, mission_file, reading.Resolve(), start.Soc(request.cell));
+    ReadMission read = ReadMissionFile(request.Whole(), mission_file, reading.Resolve(), start);
     for (const auto& warning : read.warnings) line.Message("{}: {}", mission_file, warning);
     request.mission = std::move(read.mission);
   }

@@ -13,6 +13,7 @@
 #include "identify/logs/discharge.h"
 #include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
+#include "identify/validation.h"
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
 #include "model/core/counted.h"
@@ -147,7 +148,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   line.Describe(
       "Predicts the terminal voltage, the open-circuit voltage and the state of charge of a cell "
       "under the current of a log, row by row, until the cell reaches its cut-off. The log's own "
-      "voltage is not used and may be absent.",
+      "voltage may be absent; where it is there, it is only asked whether the log begins where it is said to.",
       "lipoid simulate gifi-600mAh-1 --current flight.csv -o predicted.csv");
   line.Example("lipoid simulate cell.json --current flight.csv --ensemble 200 -o predicted.csv");
   line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
@@ -188,6 +189,8 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   TellWhatIsExtrapolated(line, cell, {&surroundings, 1});
   TellWhatTemperatureMayExplain(line, cell, current_file, surroundings);
   const double initial_soc = start.Soc(cell, surroundings);
+  if (const auto doubt = DoubtAboutStart(cell, log.record, initial_soc); !doubt.empty())
+    line.Message("{} {}", current_file, doubt);
   const Hold hold = log.record.hold;
 
   PredictionBand band;

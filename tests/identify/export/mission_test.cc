@@ -1,15 +1,20 @@
 // The missions that targets are compared over.
 #include "identify/export/mission.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "identify/export/law_limits.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
+#include "model/battery/rest_voltage.h"
+#include "model/export/export_error.h"
 #include "tests/support/load_error.h"
 #include "tests/support/paths.h"
+#include "tests/support/synthetic_campaign.h"
 #include "tests/support/text_files.h"
 
 namespace lipoid {
@@ -153,17 +158,17 @@ TEST(MissionFile, TakesLogsPowersAndFlights) {
     powers += std::to_string(k) + ",2\r\n";
     flight += std::to_string(k) + ",0,4," + (k < 6 ? "0.5" : "1.5") + ",1\n";
   }
-  const auto of_log = ReadMissionFile(cell, WriteText("log.csv", log), {}, 0.9);
+  const auto of_log = ReadMissionFile(cell, WriteText("log.csv", log), {}, {.initial_soc = 0.9});
   EXPECT_EQ(of_log.mission.current_A, std::vector<double>(12, 0.5));
   EXPECT_EQ(of_log.mission.initial_soc, 0.9);
-  const auto of_powers = ReadMissionFile(cell, WriteText("power.csv", powers), {}, 1.0);
+  const auto of_powers = ReadMissionFile(cell, WriteText("power.csv", powers), {}, {});
   EXPECT_NEAR(of_powers.mission.current_A[5], 0.5, 0.03);
   // As a program in German writes it.
   std::string semicolons = "time_s;power_W\n";
   for (int k = 0; k < 12; ++k) semicolons += std::to_string(k) + ",0;2,0\n";
-  const auto of_semicolons = ReadMissionFile(cell, WriteText("german.csv", semicolons), {}, 1.0);
+  const auto of_semicolons = ReadMissionFile(cell, WriteText("german.csv", semicolons), {}, {});
   EXPECT_EQ(of_semicolons.mission.current_A, of_powers.mission.current_A);
-  const auto of_flight = ReadMissionFile(cell, WriteText("flight.csv", flight), {}, 1.0);
+  const auto of_flight = ReadMissionFile(cell, WriteText("flight.csv", flight), {}, {});
   EXPECT_EQ(of_flight.mission.current_A[6], 0.5) << "what a row decides flows until the next";
   EXPECT_EQ(of_flight.mission.current_A[7], 1.5);
 }
@@ -172,7 +177,7 @@ TEST(MissionFile, LeavesOutWhatTheCellCannotGive) {
   const Cell cell = LoadCell("gifi-600mAh-1");
   std::string log = "time_s,current_A\n";
   for (int k = 0; k < 100; ++k) log += std::to_string(60 * k) + ",1\n";
-  const auto read = ReadMissionFile(cell, WriteText("log.csv", log), {}, 1.0);
+  const auto read = ReadMissionFile(cell, WriteText("log.csv", log), {}, {});
   EXPECT_EQ(read.rows_of_file, 100U);
   EXPECT_GT(read.rows_beyond_cutoff, 70U);  // 1353 C last 22 minutes
   EXPECT_LT(read.rows_beyond_cutoff, 85U);
@@ -185,11 +190,78 @@ TEST(MissionFile, LeavesOutWhatTheCellCannotGive) {
   EXPECT_GE(Lowest(cell, read.mission), cell.cutoff_V);
 }
 
+// A cell in a cold log: the mission has its temperatures, between the rows of which it goes straight, the
+// cell is at its cut-off where simulate has it, and what is compared is the cell as it is there.
+TEST(MissionFile, HasTheTemperatureOfItsLog) {
+  const Cell cell = test::ColdTruth();
+  std::string cold = "time_s,current_A,temperature_degC\n";
+  std::string plain = "time_s,current_A\n";
+  for (int k = 0; k < 80; ++k) {
+    cold += fmt::format("{},1.2,{}\n", 10 * k, 0.1 * k - 10.0);
+    plain += fmt::format("{},1.2\n", 10 * k);
+  }
+  const auto at_reference = ReadMissionFile(cell, WriteText("plain.csv", plain), {}, {});
+  EXPECT_TRUE(at_reference.mission.temperature_degC.empty());
+  EXPECT_EQ(at_reference.rows_beyond_cutoff, 0U);
+  const auto read = ReadMissionFile(cell, WriteText("cold.csv", cold), {}, {});
+  EXPECT_GT(read.rows_beyond_cutoff, 5U);
+  ASSERT_EQ(read.mission.temperature_degC.size(), read.mission.time_s.size());
+  EXPECT_NEAR(read.mission.temperature_degC[15], -9.85, 1e-12);  // at 15 s
+  ASSERT_EQ(read.warnings.size(), 2U);
+  EXPECT_EQ(
+      read.warnings[0],
+      "the cell has the temperature of the log, -10 to -2.1 degC (the cell file's reference is 25 degC): "
+      "what is fitted and compared is the cell as it is there");
+  ExportRequest request;
+  SetCell(request, cell);
+  request.mission = read.mission;
+  const std::vector<double>& degC = read.mission.temperature_degC;
+  EXPECT_EQ(ReferenceOf(request).voltage_V,
+            Predict(cell,
+                    read.mission.time_s,
+                    read.mission.current_A,
+                    Hold::kBackward,
+                    1.0,
+                    {.measured_degC = degC})
+                .voltage_V);
+  // A cell without temperature has no use for it.
+  const auto unaware =
+      ReadMissionFile(LoadCell("gifi-600mAh-1"), WriteText("cold.csv", cold), {}, {});
+  EXPECT_TRUE(unaware.mission.temperature_degC.empty());
+}
+
+TEST(MissionFile, DoubtsAStartThatItsVoltageContradicts) {
+  const Cell cell = LoadCell("gifi-600mAh-1");
+  std::string flight = "time_s,x_m,battery_V,battery_A,soc\n";
+  for (int k = 0; k < 12; ++k) flight += fmt::format("{},0,7.3,0.5,0.4\n", k);
+  Cell pack = cell;
+  pack.series = 2;
+  const auto file = WriteText("flight.csv", flight);
+  const auto read = ReadMissionFile(pack, file, {}, {});
+  ASSERT_EQ(read.warnings.size(), 1U);
+  EXPECT_NE(read.warnings[0].find(
+                "begins under load at 3.65 V, and is taken as a cell at a state of charge of 1"),
+            std::string::npos)
+      << read.warnings[0];
+  EXPECT_TRUE(ReadMissionFile(pack, file, {}, {.initial_soc = 0.4}).warnings.empty());
+}
+
+TEST(MissionFile, StartsACellWithHysteresisWhereItRestsAtThatVoltage) {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.hysteresis = Cell::Hysteresis{.folds = 50.0, .soc = {}, .half_V = {0.015}};
+  std::string log = "time_s,current_A\n";
+  for (int k = 0; k < 12; ++k) log += fmt::format("{},0.5\n", k);
+  const auto read =
+      ReadMissionFile(cell, WriteText("log.csv", log), {}, {.initial_voltage_V = 3.8});
+  EXPECT_EQ(read.mission.initial_soc, SocAtRestVoltage(cell, 3.8, {}));
+  EXPECT_GT(std::abs(read.mission.initial_soc - cell.open_circuit_voltage.SocAtVoltage(3.8)), 0.01);
+}
+
 TEST(MissionFile, RefusesWhatIsNoMission) {
   const Cell cell = LoadCell("gifi-600mAh-1");
   const auto message = [&](const std::string& text) {
     const auto file = WriteText("m.csv", text);
-    return test::LoadErrorOf([&] { (void)ReadMissionFile(cell, file, {}, 1.0); })
+    return test::LoadErrorOf([&] { (void)ReadMissionFile(cell, file, {}, {}); })
         .substr(file.size());
   };
   std::string idle = "time_s,current_A\n";

@@ -232,6 +232,14 @@ TEST(Pulses, NeedARestAfterALoad) {
             "synthetic.csv:1:1: error: expected pulses with rests between them, found 2 loads and "
             "no rest after any; "
             "a discharge is of kind \"constant-current\", any other load of kind \"validation\"");
+  // A sensor whose zero is off by 10 mA: its rests are none.
+  EXPECT_EQ(
+      refusal(
+          RecordOfSteps({{60.0, -0.01}, {30.0, 2.0}, {600.0, -0.01}, {30.0, 2.0}, {600.0, -0.01}})),
+      "synthetic.csv:1:1: error: expected pulses with rests between them, found 4 loads and no rest after "
+      "any; -0.01 A flow between them: if the cell rests there, the zero of the current sensor is off by "
+      "that, and is to be subtracted first; a discharge is of kind \"constant-current\", any other load of "
+      "kind \"validation\"");
   EXPECT_EQ(refusal(RecordOfSteps({{60.0, 0.0}})),
             "synthetic.csv:1:1: error: expected pulses, found no current but rest over 61 rows");
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/load_error.h"
+#include "tests/support/synthetic_record.h"
 
 namespace lipoid {
 namespace {
@@ -108,6 +109,76 @@ TEST(Gaps, OfUnknownChargeAreRefusedWithWhatCanBeRead) {
   // Of 10 Ah these 60 C are less than two thousandths, of 5 Ah more.
   EXPECT_EQ(refuse(10.0), "no error");
   EXPECT_NE(refuse(5.0), "no error");
+}
+
+// Rows each 10 minutes, between two of which a clock is put forward: 7 times the usual interval.
+TEST(Gaps, AClockThatIsPutForwardLeavesAnHour) {
+  Record record = test::RecordOfSteps({{1200.0, 0.0, 600.0}, {36000.0, 0.1, 600.0}});
+  EXPECT_TRUE(FindGaps(record).empty());
+  for (std::size_t k = 30; k < record.size(); ++k) record.time_s[k] += 3600.0;
+  const auto gaps = FindGaps(record);
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_EQ(gaps[0].row, 30U);
+  EXPECT_EQ(
+      GapsText(gaps),
+      "a gap of 4200 s after 17400 s, in which up to 0.117 Ah may have flowed (if a clock was put forward to "
+      "summer time, export the time since the start)");
+  record.time_s[29] += 300.0;  // a logger of no steady interval
+  EXPECT_TRUE(FindGaps(record).empty());
+}
+
+// A pulse test whose rests fall from `full_V` to `empty_V`.
+Record FallingPulses(double full_V, double empty_V) {
+  std::vector<test::CurrentStep> steps;
+  for (int k = 0; k < 10; ++k) {
+    steps.push_back({600.0, 0.0, 10.0});
+    steps.push_back({300.0, 2.0, 10.0});
+  }
+  steps.push_back({600.0, 0.0, 10.0});
+  Record record = test::RecordOfSteps(steps);
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(record.size());
+    record.voltage_V[k] += full_V + share * (empty_V - full_V) - 3.7;
+  }
+  return record;
+}
+
+void AppendTest(Record& record, Record next) {
+  const double end_s = record.time_s.back() + 1.0;
+  for (std::size_t k = 0; k < next.size(); ++k) {
+    record.time_s.push_back(end_s + next.time_s[k]);
+    record.current_A.push_back(next.current_A[k]);
+    record.voltage_V.push_back(next.voltage_V[k]);
+  }
+}
+
+TEST(UnseenRecharge, IsWhereTheRestIsAsHighAgain) {
+  Record record = FallingPulses(4.2, 3.6);
+  EXPECT_TRUE(FindUnseenRecharges(record).empty());
+  const std::size_t rows = record.size();
+  AppendTest(record, FallingPulses(4.19, 3.6));
+  const auto found = FindUnseenRecharges(record);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].row, rows);
+  EXPECT_TRUE(found[0].recharge);
+  EXPECT_NEAR(found[0].unknown_C, 10 * 300 * 2.0, 1e-6);
+  EXPECT_EQ(
+      GapsText(found),
+      "a recharge of some 1.67 Ah between 9600 and 9601 s, where the voltage at rest comes back without a "
+      "current: a test begins there anew");
+  // A charge that the rows hold explains it.
+  Record charged = FallingPulses(4.2, 3.6);
+  AppendTest(charged, test::RecordOfSteps({{3000.0, -2.0, 10.0}}));
+  AppendTest(charged, FallingPulses(4.19, 3.6));
+  EXPECT_TRUE(FindUnseenRecharges(charged).empty());
+  // Discharges without a rest at their end, and a flat curve, whose rest is high after each load.
+  Record loads = test::RecordOfSteps({{60.0, 0.0}, {3000.0, 2.0}});
+  for (std::size_t k = 61; k < loads.size(); ++k) loads.voltage_V[k] -= 2e-4 * (static_cast<double>(k) - 61.0);
+  const std::size_t end = loads.size();
+  AppendTest(loads, loads);
+  ASSERT_EQ(FindUnseenRecharges(loads).size(), 1U);
+  EXPECT_EQ(FindUnseenRecharges(loads)[0].row, end);
+  EXPECT_TRUE(FindUnseenRecharges(FallingPulses(3.33, 3.28)).empty());
 }
 
 }  // namespace

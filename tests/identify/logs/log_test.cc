@@ -201,6 +201,21 @@ TEST(PlainCsv, ChineseNamesAreOfTheWholeTest) {
       "blanks is one column: put TAB, ; or , between them; `lipoid list formats` shows what is read");
 }
 
+TEST(PlainCsv, ACurrentThatTheVoltageDoesNotFollowIsDroppedAndSaid) {
+  std::string text = "time_s,current_A,voltage_V\n0,0,4.2\n1,0,4.2\n";
+  for (int k = 2; k < 30; ++k)
+    text += fmt::format("{},{},{:.3f}\n", k, k == 9 ? 100 : k == 20 ? -20 : 2, 4.1 - 0.002 * k);
+  const Log log = ReadOf(text);
+  EXPECT_EQ(log.report.rows, 28U);
+  EXPECT_EQ(log.report.dropped_spikes, 2U);
+  EXPECT_EQ(log.report.warnings,
+            (std::vector<std::string>{
+                "1 row dropped: a current of 100 A at 9 s, far outside the range of all "
+                "other rows, which the voltage does not follow",
+                "1 row dropped: a current of -20 A at 20 s, far outside the range of all "
+                "other rows, which the voltage does not follow"}));
+}
+
 TEST(PlainCsv, ARowThatCannotBeIsDroppedAndSaid) {
   const Log log = ReadOf(
       "time_s,current_A,voltage_V\n0,0,4.1\n1,0,4.1\n2,2,4\n3,2,10\n4,2,3.98\n5,2,3.97\n6,2,3.96\n");

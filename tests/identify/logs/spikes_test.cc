@@ -41,6 +41,28 @@ TEST(Spikes, ACurrentThatChangesTheSameWayExplainsNothing) {
   EXPECT_EQ(FindSpikes(record), RowNumbers{30});
 }
 
+// A real pulse of one row moves the voltage, at once or in the next row.
+TEST(Spikes, ACurrentThatTheVoltageDoesNotFollowIsOne) {
+  Record record = Pulses();
+  EXPECT_EQ(FindCurrentSpikes(record), RowNumbers{});
+  record.current_A[30] = 60.0;  // of 4 A
+  record.current_A[75] = -45.0;
+  EXPECT_EQ(FindCurrentSpikes(record), (RowNumbers{30, 75}));
+  record.current_A[75] = 5.0;  // within what the others have
+  EXPECT_EQ(FindCurrentSpikes(record), RowNumbers{30});
+  record.voltage_V[31] -= 2.0;  // a logger that reads the voltage a row later
+  EXPECT_EQ(FindCurrentSpikes(record), RowNumbers{});
+  // A steady load, and no step to compare with.
+  record = test::RecordOfSteps({{100.0, 2.0}});
+  record.current_A[0] = 2.0;
+  record.current_A[50] = 9.0;
+  EXPECT_EQ(FindCurrentSpikes(record), RowNumbers{});
+  record.current_A[50] = 30.0;
+  EXPECT_EQ(FindCurrentSpikes(record), RowNumbers{50});
+  record.voltage_V.clear();
+  EXPECT_EQ(FindCurrentSpikes(record), RowNumbers{});
+}
+
 TEST(Spikes, TheFirstAndTheLastRowAreNone) {
   Record record = Pulses();
   record.voltage_V.front() = 10.0;

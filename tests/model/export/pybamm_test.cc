@@ -14,6 +14,7 @@
 #include "model/export/cell_numbers.h"
 #include "tests/support/export_cases.h"
 #include "tests/support/paths.h"
+#include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
@@ -171,6 +172,19 @@ TEST(Pybamm, SaysTheNameOfItsOwnFile) {
                    "    gifi_600mAh_1 = importlib.import_module(\"my-cell\")\n"
                    "    model = gifi_600mAh_1.make_model()"));
   EXPECT_TRUE(says("a\"\"\"b", "    import pybamm, gifi_600mAh_1\n"));
+}
+
+TEST(Pybamm, DoesNotHideThePackage) {
+  ExportRequest request = test::RequestOf(LoadCell("gifi-600mAh-1"));
+  for (const char* stem : {"pybamm", "numpy"}) {
+    request.stem = stem;
+    EXPECT_EQ(
+        test::MessageOf<OptionError>([&] { (void)ExportPybamm(request); }),
+        fmt::format(
+            "option -o: {0}.py would hide the package {0} from every program of its folder; give "
+            "another name",
+            stem));
+  }
 }
 
 TEST(Pybamm, RefusesAVersion) {

@@ -16,7 +16,7 @@ const DROPPED = {
   dropped_repeated_times: "with a repeated time stamp",
   dropped_unselected: "outside the chosen part",
   dropped_cut_last_line: "cut short at the end",
-  dropped_spikes: "with a voltage that cannot be",
+  dropped_spikes: "with a voltage or a current that cannot be",
 };
 
 function dropped(file) {
