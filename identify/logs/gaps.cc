@@ -121,6 +121,7 @@ constexpr double kBackAtOnce = 0.998;
 // Of the charge that the record moves, what has left since.
 constexpr double kLeastGone = 0.1;
 constexpr double kLeastGoneAtOnce = 0.5;
+constexpr std::size_t kRowsAtRest = 3;
 
 // Most discharges are never as high again as in their first rows, which is seen without asking where they rest.
 bool MayBeBack(std::span<const double> voltage_V) {
@@ -141,37 +142,40 @@ std::vector<Gap> FindUnseenRecharges(const Record& record) {
   const double range_C = CountCharge(record).range_C();
   const std::vector<double> left_C = DeliveredCharge(record);
   constexpr auto kNone = static_cast<std::size_t>(-1);
-  std::size_t top = kNone;     // the highest rest since the last recharge
-  std::size_t lowest = kNone;  // the lowest rest after it
-  const auto lowest_before = [&](std::size_t row) {
-    return static_cast<std::size_t>(std::min_element(v.begin() + top, v.begin() + row) - v.begin());
-  };
+  std::size_t top = kNone;      // the highest rest since the last recharge
+  std::size_t lowest = kNone;   // the lowest rest after it
+  std::size_t dip = 0;          // the lowest row after it, under load or not
+  std::size_t charging = 0;     // the last row in which charge came back
+  std::size_t rested_rows = 0;  // up to this one, without a load between
   for (std::size_t k = 0; k < v.size(); ++k) {
-    if (std::abs(record.current_A[k]) > rest_A) continue;
-    if (top == kNone || v[k] > v[top]) {
-      // Higher than ever, after charge has left: the curve does not rise by that either.
-      if (top == kNone || left_C[k] - left_C[top] < kLeastGone * range_C) {
-        top = k;
-        lowest = kNone;
-        continue;
-      }
+    const double current_A = record.current_A[k];
+    if (current_A < -rest_A) charging = k;
+    if (v[k] < v[dip]) dip = k;
+    rested_rows = std::abs(current_A) <= rest_A ? rested_rows + 1 : 0;
+    // A current that changes its sign passes zero, and the drop of the one before is still there.
+    if (rested_rows < kRowsAtRest) continue;
+    const double gone_C = top == kNone ? 0.0 : left_C[k] - left_C[top];
+    // Higher than ever, after charge has left: the curve does not rise by that either.
+    if (top == kNone || (v[k] > v[top] && gone_C < kLeastGone * range_C)) {
+      top = dip = k;
+      lowest = kNone;
+      continue;
     }
-    const double gone_C = left_C[k] - left_C[top];
     const bool rested = lowest != kNone && v[lowest] <= kLeft * v[k];
+    const std::size_t low = rested ? lowest : dip;
     const bool back = rested ? v[k] >= kBack * v[top] && gone_C >= kLeastGone * range_C
                              : v[k] >= kBackAtOnce * v[top] && gone_C >= kLeastGoneAtOnce * range_C;
-    const std::size_t low = back ? rested ? lowest : lowest_before(k) : kNone;
-    if (back && v[low] <= kLeft * v[k]) {
+    if (back && v[low] <= kLeft * v[k] && charging <= low) {
       std::size_t begin = low + 1;  // the largest rise on the way
-      for (std::size_t j = low + 1; j <= k; ++j) {
-        if (v[j] - v[j - 1] > v[begin] - v[begin - 1]) begin = j;
+      for (std::size_t row = low + 1; row <= k; ++row) {
+        if (v[row] - v[row - 1] > v[begin] - v[begin - 1]) begin = row;
       }
       recharges.push_back({.row = begin,
                            .start_s = record.time_s[begin - 1],
                            .length_s = record.time_s[begin] - record.time_s[begin - 1],
                            .unknown_C = gone_C,
                            .recharge = true});
-      top = k;
+      top = dip = k;
       lowest = kNone;
       continue;
     }
@@ -201,22 +205,25 @@ std::string GapsText(const std::vector<Gap>& gaps) {
   if (most.recharge) {
     return fmt::format(
         "{} of some {:.3g} Ah between {:.10g} and {:.10g} s, where the voltage at rest comes back without a "
-        "current: a test begins there anew",
+        "current, as where a test begins anew",
         gaps.size() == 1 ? "a recharge"
                          : fmt::format("{} gaps, the largest a recharge", gaps.size()),
         most.unknown_C / 3600.0,
         most.start_s,
         most.start_s + most.length_s);
   }
-  return fmt::format(
-      "{} of {:.4g} s after {:.10g} s, in which up to {:.3g} Ah may have flowed{}",
-      gaps.size() == 1 ? "a gap" : fmt::format("{} gaps, the largest", gaps.size()),
-      most.length_s,
-      most.start_s,
-      UnknownCharge(gaps) / 3600.0,
-      most.length_s > kHour_s && most.length_s <= 1.5 * kHour_s
-          ? " (if a clock was put forward to summer time, export the time since the start)"
-          : "");
+  return fmt::format("{} of {:.4g} s after {:.10g} s, in which up to {:.3g} Ah may have flowed",
+                     gaps.size() == 1 ? "a gap" : fmt::format("{} gaps, the largest", gaps.size()),
+                     most.length_s,
+                     most.start_s,
+                     UnknownCharge(gaps) / 3600.0);
+}
+
+std::string GapsHint(const std::vector<Gap>& gaps) {
+  const double length_s = LargestOf(gaps).length_s;
+  return length_s > kHour_s && length_s <= 1.5 * kHour_s
+             ? " (if a clock was put forward to summer time, export the time since the start)"
+             : "";
 }
 
 void RefuseUnknownCharge(const Record& record,
@@ -231,11 +238,12 @@ void RefuseUnknownCharge(const Record& record,
   throw LoadError(
       {record.file},
       fmt::format(
-          "expected rows wherever a current flows, found {}: the state of charge after it is "
+          "expected rows wherever a current flows, found {}{}: the state of charge after it is "
           "not known; read the part before it (end_s = {:.10g}), or the part after it "
           "(start_s = {:.10g}) with its own initial_soc, or save the parts as files of their own (lipoid convert "
           "--end-s {:.10g}, and --start-s {:.10g})",
           GapsText(gaps),
+          GapsHint(gaps),
           most.start_s,
           most.start_s + most.length_s,
           most.start_s,

@@ -27,7 +27,7 @@ inline constexpr double kMostUnknownCharge = 2e-3;
 /// count too.
 [[nodiscard]] std::vector<Gap> FindGaps(const Record& record);
 
-/// Recharges that no row shows, as between two tests that stand in one file: at rest the voltage is back where it was
+/// Recharges that no row shows, as between two tests that stand in one file: at three rows at rest the voltage is back where it was
 /// (within 1.2 %; within 0.2 % where no rest lies between) before a tenth of the charge that the record moves had left
 /// (half of it), and was 2.5 % lower in between. Discharge is positive. None without voltages.
 [[nodiscard]] std::vector<Gap> FindUnseenRecharges(const Record& record);
@@ -35,6 +35,8 @@ inline constexpr double kMostUnknownCharge = 2e-3;
 /// "a gap of 30 s after 100 s, in which up to 0.0167 Ah may have flowed"; of several the one with the
 /// most charge, and the charge of all. At least one.
 [[nodiscard]] std::string GapsText(const std::vector<Gap>& gaps);
+/// What may have made the largest of them, in brackets; "" where nothing is likely.
+[[nodiscard]] std::string GapsHint(const std::vector<Gap>& gaps);
 
 /// LoadError where the gaps of a record may hold more than this share of
 /// capacity_Ah, that of all cells in parallel (0: of the charge that the record moves). It says which part can be read instead.

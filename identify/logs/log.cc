@@ -344,8 +344,11 @@ void FinishLog(Log& log, const ReadOptions& options) {
       return a.row < b.row;
     });
   }
-  if (!log.report.gaps.empty())
-    log.report.warnings.push_back(GapsText(log.report.gaps) + " unseen");
+  if (const auto& gaps = log.report.gaps; !gaps.empty()) {
+    const bool recharge =
+        std::any_of(gaps.begin(), gaps.end(), [](const Gap& gap) { return gap.recharge; });
+    log.report.warnings.push_back(GapsText(gaps) + (recharge ? "" : " unseen") + GapsHint(gaps));
+  }
   if (auto doubt = log.report.flight ? "" : DoubtAboutTime(log.record); !doubt.empty())
     log.report.warnings.push_back(std::move(doubt));
 }
