@@ -10,6 +10,7 @@
 #include "identify/fit/bounded_quadratic.h"
 #include "identify/fit/grid.h"
 #include "identify/optimizers/nlopt_methods.h"
+#include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
 #include "model/core/special_values.h"
@@ -26,9 +27,6 @@ constexpr double kInstant_s = 1e-9;
 // beyond any step at another: it stays within these parts of the median step.
 constexpr double kLeastOfEdge = 0.15;
 constexpr double kMostOfEdge = 2.0;
-// What is measured of whole lithium cells lies within, -0.6 to 0.6 mV/K. Without a bound slow
-// relaxation in the cold, which looks like a lower v_oc, would take its place.
-constexpr double kMostEntropy_V_per_K = 0.6e-3;
 // Half of what charge and discharge differ by: lithium iron phosphate has 20 mV, silicon 150.
 constexpr double kMostHysteresis_V = 0.25;
 
@@ -328,6 +326,7 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
                       : -(setup_.open_circuit_voltage(structure.voltage_soc[k]) -
                           setup_.open_circuit_voltage(structure.voltage_soc[k - 1]));
   }
+  // Without a bound slow relaxation in the cold, which looks like a lower v_oc, would take its place.
   const double most_entropy_V = kMostEntropy_V_per_K * kEntropyScale_K;
   lower.segment(layout.entropy(), layout.entropies()).setConstant(-most_entropy_V);
   upper.segment(layout.entropy(), layout.entropies()).setConstant(most_entropy_V);

@@ -13,6 +13,7 @@
 
 #include "identify/logs/plausibility.h"
 #include "identify/logs/unlike_discharges.h"
+#include "model/battery/typical_temperature.h"
 #include "model/core/foreign_text.h"
 #include "model/core/run_record.h"
 #include "model/core/special_values.h"
@@ -30,8 +31,6 @@ constexpr double kSameRate = 0.1;
 
 // Below the highest voltage at rest before a load by more than this, a log does not start full.
 constexpr double kSameStart_V = 0.04;
-// The most that the open-circuit voltage of whole cells goes with the temperature.
-constexpr double kMostEntropy_V_per_K = 0.6e-3;
 // A full lithium cell rests above the first, or, if it is of iron phosphate, below the second.
 constexpr double kFullRest_V = 3.9;
 constexpr double kIronPhosphateRest_V = 3.45;

@@ -112,16 +112,13 @@ std::vector<Gap> FindGaps(const Record& record) {
 
 namespace {
 
-// Of the highest voltage at rest so far: a cell that rests above the first part of it is back there, and one that
-// rested below the second had left it.
+// Of the highest voltage at rest so far: a cell that rests above is back there.
 constexpr double kBack = 0.988;
-constexpr double kLeft = 0.975;
-// The same where no rest lies between: the first rest after a discharge may be high on a flat curve.
-constexpr double kBackAtOnce = 0.998;
+// Of the voltage after a jump: no rest relaxes by as much in a row, once it has lasted for some.
+constexpr double kJump = 0.025;
 // Of the charge that the record moves, what has left since.
 constexpr double kLeastGone = 0.1;
-constexpr double kLeastGoneAtOnce = 0.5;
-constexpr std::size_t kRowsAtRest = 3;
+constexpr std::size_t kRowsAtRest = 3;  // on either side of the jump
 
 // Most discharges are never as high again as in their first rows, which is seen without asking where they rest.
 bool MayBeBack(std::span<const double> voltage_V) {
@@ -129,7 +126,7 @@ bool MayBeBack(std::span<const double> voltage_V) {
   const auto is_high = [&](double v) { return v >= high_V; };
   const auto first = std::find_if(voltage_V.begin(), voltage_V.end(), is_high);
   const auto last = std::find_if(voltage_V.rbegin(), voltage_V.rend(), is_high).base();
-  return first < last && *std::min_element(first, last) <= kLeft * high_V;
+  return first < last && *std::min_element(first, last) <= (1.0 - kJump) * high_V;
 }
 
 }  // namespace
@@ -143,43 +140,25 @@ std::vector<Gap> FindUnseenRecharges(const Record& record) {
   const std::vector<double> left_C = DeliveredCharge(record);
   constexpr auto kNone = static_cast<std::size_t>(-1);
   std::size_t top = kNone;      // the highest rest since the last recharge
-  std::size_t lowest = kNone;   // the lowest rest after it
-  std::size_t dip = 0;          // the lowest row after it, under load or not
-  std::size_t charging = 0;     // the last row in which charge came back
   std::size_t rested_rows = 0;  // up to this one, without a load between
   for (std::size_t k = 0; k < v.size(); ++k) {
-    const double current_A = record.current_A[k];
-    if (current_A < -rest_A) charging = k;
-    if (v[k] < v[dip]) dip = k;
-    rested_rows = std::abs(current_A) <= rest_A ? rested_rows + 1 : 0;
+    rested_rows = std::abs(record.current_A[k]) <= rest_A ? rested_rows + 1 : 0;
     // A current that changes its sign passes zero, and the drop of the one before is still there.
     if (rested_rows < kRowsAtRest) continue;
+    const std::size_t first = k + 1 - kRowsAtRest;
     const double gone_C = top == kNone ? 0.0 : left_C[k] - left_C[top];
-    // Higher than ever, after charge has left: the curve does not rise by that either.
-    if (top == kNone || (v[k] > v[top] && gone_C < kLeastGone * range_C)) {
-      top = dip = k;
-      lowest = kNone;
-      continue;
-    }
-    const bool rested = lowest != kNone && v[lowest] <= kLeft * v[k];
-    const std::size_t low = rested ? lowest : dip;
-    const bool back = rested ? v[k] >= kBack * v[top] && gone_C >= kLeastGone * range_C
-                             : v[k] >= kBackAtOnce * v[top] && gone_C >= kLeastGoneAtOnce * range_C;
-    if (back && v[low] <= kLeft * v[k] && charging <= low) {
-      std::size_t begin = low + 1;  // the largest rise on the way
-      for (std::size_t row = low + 1; row <= k; ++row) {
-        if (v[row] - v[row - 1] > v[begin] - v[begin - 1]) begin = row;
-      }
-      recharges.push_back({.row = begin,
-                           .start_s = record.time_s[begin - 1],
-                           .length_s = record.time_s[begin] - record.time_s[begin - 1],
+    const bool jumped =
+        rested_rows >= 2 * kRowsAtRest && v[first] - v[first - 1] >= kJump * v[first];
+    if (jumped && v[k] >= kBack * v[top] && gone_C >= kLeastGone * range_C) {
+      recharges.push_back({.row = first,
+                           .start_s = record.time_s[first - 1],
+                           .length_s = record.time_s[first] - record.time_s[first - 1],
                            .unknown_C = gone_C,
                            .recharge = true});
-      top = dip = k;
-      lowest = kNone;
-      continue;
+      top = k;
+    } else if (top == kNone || (v[k] > v[top] && gone_C < kLeastGone * range_C)) {
+      top = k;
     }
-    if (lowest == kNone || v[k] < v[lowest]) lowest = k;
   }
   return recharges;
 }

@@ -27,9 +27,9 @@ inline constexpr double kMostUnknownCharge = 2e-3;
 /// count too.
 [[nodiscard]] std::vector<Gap> FindGaps(const Record& record);
 
-/// Recharges that no row shows, as between two tests that stand in one file: at three rows at rest the voltage is back where it was
-/// (within 1.2 %; within 0.2 % where no rest lies between) before a tenth of the charge that the record moves had left
-/// (half of it), and was 2.5 % lower in between. Discharge is positive. None without voltages.
+/// Recharges that no row shows, as between two tests that stand in one file: within a rest, of three rows on either
+/// side, the voltage jumps by 2.5 % from one row to the next, to where it rested (within 1.2 %) before a tenth of
+/// the charge that the record moves had left. Discharge is positive. None without voltages.
 [[nodiscard]] std::vector<Gap> FindUnseenRecharges(const Record& record);
 
 /// "a gap of 30 s after 100 s, in which up to 0.0167 Ah may have flowed"; of several the one with the

@@ -349,8 +349,10 @@ void FinishLog(Log& log, const ReadOptions& options) {
         std::any_of(gaps.begin(), gaps.end(), [](const Gap& gap) { return gap.recharge; });
     log.report.warnings.push_back(GapsText(gaps) + (recharge ? "" : " unseen") + GapsHint(gaps));
   }
-  if (auto doubt = log.report.flight ? "" : DoubtAboutTime(log.record); !doubt.empty())
-    log.report.warnings.push_back(std::move(doubt));
+  if (log.report.flight) return;
+  for (std::string doubt : {DoubtAboutTime(log.record), DoubtAboutLag(log.record)}) {
+    if (!doubt.empty()) log.report.warnings.push_back(std::move(doubt));
+  }
 }
 
 Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers& others) {

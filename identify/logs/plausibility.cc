@@ -89,6 +89,39 @@ std::string DoubtAboutTime(const Record& record) {
   return "";
 }
 
+std::string DoubtAboutLag(const Record& record) {
+  constexpr std::size_t kFewest = 5;
+  constexpr std::size_t kEnough = 100;
+  constexpr double kStep = 0.2;   // of the range of the current
+  constexpr double kHeld = 0.02;  // as far as it may move in the rows beside the step
+  constexpr double kLate = 0.1;   // of what the next row shows, in the row of the step
+  constexpr double kLeast_V = 5e-3;
+  const Column& i = record.current_A;
+  const Column& v = record.voltage_V;
+  if (v.size() < 2 * kFewest) return "";
+  const Extent extent = FindExtent(i);
+  const double range_A = extent.most - extent.least;
+  std::size_t steps = 0;
+  std::size_t late = 0;
+  for (std::size_t k = 2; k + 1 < v.size() && steps < kEnough; ++k) {
+    if (!(std::abs(i[k] - i[k - 1]) > kStep * range_A)) continue;
+    if (std::abs(i[k + 1] - i[k]) > kHeld * range_A ||
+        std::abs(i[k - 1] - i[k - 2]) > kHeld * range_A)
+      continue;
+    const double at_once_V = std::abs(v[k] - v[k - 1]);
+    const double after_V = std::abs(v[k + 1] - v[k]);
+    if (std::max(at_once_V, after_V) < kLeast_V) continue;
+    ++steps;
+    if (at_once_V < kLate * after_V) ++late;
+  }
+  if (steps < kFewest || 10 * late < 9 * steps) return "";
+  return fmt::format(
+      "at {} of {} steps of the current the voltage moves one row later: if the logger reads it a row late, shift one "
+      "of the two columns by a row; as it stands, resistances within one row come out too small",
+      late,
+      steps);
+}
+
 std::string CheckReadable(const Record& record, const ColumnPositions& positions) {
   const Extent current = FindExtent(record.current_A);
   const Extent voltage = FindExtent(record.voltage_V);

@@ -50,6 +50,10 @@ void RefuseWithoutVoltage(const Record& record);
 /// 1/3600 s apart, which are whole seconds of a clock in minutes or hours.
 [[nodiscard]] std::string DoubtAboutTime(const Record& record);
 
+/// What makes the rows of a record doubtful, in one sentence; "" where nothing does: at nine in ten of its steps
+/// of the current, five or more, the voltage moves one row later, as where a logger reads it a row late.
+[[nodiscard]] std::string DoubtAboutLag(const Record& record);
+
 /// What is wrong with temperatures of these times, half a sentence; "" where each of them may be that
 /// of a cell.
 [[nodiscard]] std::string ImpossibleTemperature(std::span<const double> time_s,

@@ -15,6 +15,9 @@
 
 namespace lipoid {
 
+/// What is measured of the open-circuit voltage of whole cells lies within, -0.6 to 0.6 mV/K.
+inline constexpr double kMostEntropy_V_per_K = 0.6e-3;
+
 /// Of one cell.
 [[nodiscard]] HeatBalance<double> TypicalHeat(double capacity_Ah, double size_factor = 1.0);
 

@@ -552,7 +552,7 @@ TEST(EnduranceCommand, OnAFlatCurveTheChargeSaysWhenToLand) {
       folder, {"--cell", "flat.json", "--mission", "power=power.csv", "--reserve", "0.5"});
   EXPECT_EQ(
       summary.at("sentences")[0],
-      "The reserve of 50 % of the charge was reached: land when 188 mAh are used; the pack then rests at 3.287 V. "
+      "The reserve of 50 % of the charge was reached: land when 188 mAh are used; the pack then rests at 3.288 V. "
       "The voltage in flight does not tell it: 0.01 V are 60 % of the charge there.");
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tests/support/load_error.h"
+#include "tests/support/synthetic_record.h"
 
 namespace lipoid {
 namespace {
@@ -187,6 +188,24 @@ TEST(Plausibility, SecondsOfAClockInMinutesAreSeen) {
   EXPECT_EQ(DoubtAboutTime(record), "");
   for (int k = 0; k < 30; ++k) record.time_s[static_cast<std::size_t>(k)] = k / 64.0;  // 64 Hz
   EXPECT_EQ(DoubtAboutTime(record), "");
+}
+
+TEST(Plausibility, AVoltageThatIsReadARowLateIsSaid) {
+  std::vector<test::CurrentStep> steps;
+  for (int k = 0; k < 6; ++k) {
+    steps.push_back({20.0, 0.0});
+    steps.push_back({20.0, 2.0});
+  }
+  Record record = test::RecordOfSteps(steps);
+  test::AddWhiteNoise(record, 1e-3, 1);
+  EXPECT_EQ(DoubtAboutLag(record), "");
+  for (std::size_t k = record.size() - 1; k > 0; --k) record.voltage_V[k] = record.voltage_V[k - 1];
+  EXPECT_EQ(
+      DoubtAboutLag(record),
+      "at 11 of 11 steps of the current the voltage moves one row later: if the logger reads it a row late, "
+      "shift one of the two columns by a row; as it stands, resistances within one row come out too small");
+  // A ramp, and a record of few steps, say nothing.
+  EXPECT_EQ(DoubtAboutLag(test::RecordOfSteps({{20.0, 0.0}, {20.0, 2.0}})), "");
 }
 
 }  // namespace
