@@ -21,7 +21,7 @@ namespace lipoid {
 /// Rows whose current leaves the range of all other rows by half of it, while the rows beside them stay
 /// within it and the voltage moves by less than a quarter of what other steps of the current make it move
 /// (where there are none, by less than 5 mV under five times the largest current). Never the first or the
-/// last row; none of a record without voltages.
+/// last row; none where they are more than five or carry all the load, and none of a record without voltages.
 [[nodiscard]] std::vector<std::size_t> FindCurrentSpikes(const Record& record);
 
 }  // namespace lipoid

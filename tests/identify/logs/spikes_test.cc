@@ -61,6 +61,10 @@ TEST(Spikes, ACurrentThatTheVoltageDoesNotFollowIsOne) {
   EXPECT_EQ(FindCurrentSpikes(record), RowNumbers{50});
   record.voltage_V.clear();
   EXPECT_EQ(FindCurrentSpikes(record), RowNumbers{});
+  // Pulses of a logger so slow that each is one row, and the voltage has recovered by the next.
+  record = test::RecordOfSteps({{100.0, 0.0}});
+  record.current_A[30] = record.current_A[60] = 2.0;
+  EXPECT_EQ(FindCurrentSpikes(record), RowNumbers{});
 }
 
 TEST(Spikes, TheFirstAndTheLastRowAreNone) {
