@@ -135,13 +135,17 @@ std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
   return doubt ? Sentence(*doubt) : "";
 }
 
-std::string DoubtAboutStart(const Cell& pack, Record record, double initial_soc) {
+std::string DoubtAboutStart(const Cell& pack, const Record& record, double initial_soc) {
   if (record.voltage_V.empty()) return "";
-  DivideByPack(record, pack.series, pack.parallel);
-  Cell one = pack;
-  one.series = one.parallel = 1;
-  const std::string at_rest = DoubtAboutStart(one.open_circuit_voltage, record, initial_soc);
-  return at_rest.empty() ? DoubtAboutLoadedStart(one, record, initial_soc) : at_rest;
+  if (pack.series > 1 || pack.parallel > 1) {
+    Record of_one = record;
+    DivideByPack(of_one, pack.series, pack.parallel);
+    Cell one = pack;
+    one.series = one.parallel = 1;
+    return DoubtAboutStart(one, of_one, initial_soc);
+  }
+  const std::string at_rest = DoubtAboutStart(pack.open_circuit_voltage, record, initial_soc);
+  return at_rest.empty() ? DoubtAboutLoadedStart(pack, record, initial_soc) : at_rest;
 }
 
 std::string DoubtsAboutStarts(std::vector<StartDoubt> doubts, std::string_view of_others) {

@@ -99,7 +99,9 @@ struct StartDoubt {
                                                 double initial_soc);
 
 /// Either of the two, of a pack and its own record; "" without a voltage.
-[[nodiscard]] std::string DoubtAboutStart(const Cell& pack, Record record, double initial_soc);
+[[nodiscard]] std::string DoubtAboutStart(const Cell& pack,
+                                          const Record& record,
+                                          double initial_soc);
 
 /// One sentence of all: the log that is furthest off with what to do, then the others by name, and
 /// `of_others`, what to do of them; "" of none.

@@ -267,8 +267,11 @@ void DropRowsOfSpikes(Log& log,
 void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
   DropRowsOfSpikes(log, directions, FindSpikes(log.record), false);
   constexpr int kSizes = 3;
-  for (int n = 0; n < kSizes; ++n)
-    DropRowsOfSpikes(log, directions, FindCurrentSpikes(log.record), true);
+  for (int n = 0; n < kSizes; ++n) {
+    const std::vector<std::size_t> spikes = FindCurrentSpikes(log.record);
+    if (spikes.empty()) return;
+    DropRowsOfSpikes(log, directions, spikes, true);
+  }
 }
 
 void AddNotes(const TextSource& source,
@@ -350,8 +353,8 @@ void FinishLog(Log& log, const ReadOptions& options) {
     log.report.warnings.push_back(GapsText(gaps) + (recharge ? "" : " unseen") + GapsHint(gaps));
   }
   if (log.report.flight) return;
-  for (std::string doubt : {DoubtAboutTime(log.record), DoubtAboutLag(log.record)}) {
-    if (!doubt.empty()) log.report.warnings.push_back(std::move(doubt));
+  for (const std::string& doubt : {DoubtAboutTime(log.record), DoubtAboutLag(log.record)}) {
+    if (!doubt.empty()) log.report.warnings.push_back(doubt);
   }
 }
 
