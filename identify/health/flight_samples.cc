@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "identify/health/followed_current.h"
+#include "identify/health/stuck_sensor.h"
 #include "identify/logs/columns.h"
 #include "identify/logs/flight/flight_log.h"
 #include "identify/logs/flight/updates.h"
@@ -127,6 +128,7 @@ void ChooseWindows(FlightSamples& flight) {
   const double step_s = std::clamp(0.25 * slower_s, 0.01, 0.1);
   double window_s = 0.0;
   Windows chosen;
+  flight.coherence = 0.0;
   for (double try_s = 0.0; try_s <= kLongestWindow_s; try_s = std::max(slower_s, 2.0 * try_s)) {
     const Windows windows = MakeWindows(record, flight.fresh, try_s);
     if (windows.size() < 20) break;
@@ -152,6 +154,28 @@ void ChooseWindows(FlightSamples& flight) {
   }
   flight.window_s = window_s;
   flight.windows = std::move(chosen);
+  flight.time_s.clear();
+  flight.voltage_V.resize(static_cast<Eigen::Index>(flight.windows.size()));
+  for (std::size_t w = 0; w < flight.windows.size(); ++w) {
+    const auto [first, end] = flight.windows[w];
+    double time_s = 0.0, voltage_V = 0.0;
+    for (std::size_t f = first; f < end; ++f) {
+      time_s += record.time_s[flight.fresh[f]];
+      voltage_V += record.voltage_V[flight.fresh[f]];
+    }
+    flight.time_s.push_back(time_s / static_cast<double>(end - first));
+    flight.voltage_V[static_cast<Eigen::Index>(w)] = voltage_V / static_cast<double>(end - first);
+  }
+}
+
+// Rows of a voltage that stood still, but the first of each stretch, tell nothing.
+void LeaveOutStuckVoltage(FlightSamples& flight) {
+  const Record& record = flight.record;
+  for (const auto& [first, last] : FindStuckVoltage(flight)) {
+    std::erase_if(flight.fresh, [&](std::size_t row) { return row > first && row <= last; });
+    flight.stuck_voltage_s += record.time_s[last] - record.time_s[first];
+  }
+  if (flight.stuck_voltage_s > 0.0) ChooseWindows(flight);
 }
 
 }  // namespace
@@ -212,12 +236,21 @@ void RefuseIdleFlight(const Record& record, double capacity_Ah) {
   }
 }
 
-std::optional<std::string> FlightSamples::SaidOfNoise() const {
-  if (!(unfollowed_share > 0.0)) return std::nullopt;
-  return fmt::format(
-      "the current wavers by {:.2g} % of its largest value from row to row, and the voltage does not follow: that is "
-      "noise of the sensor or of other instants, and the current without it is taken to have flowed",
-      100.0 * unfollowed_share);
+std::vector<std::string> FlightSamples::Said() const {
+  std::vector<std::string> said;
+  if (unfollowed_share > 0.0) {
+    said.push_back(fmt::format(
+        "the current wavers by {:.2g} % of its largest value from row to row, and the voltage does not follow: that is "
+        "noise of the sensor or of other instants, and the current without it is taken to have flowed",
+        100.0 * unfollowed_share));
+  }
+  if (stuck_voltage_s > 0.0) {
+    said.push_back(fmt::format(
+        "the voltage shows one value for {:.3g} s in all while the current moves: the sensor was stuck, and its rows "
+        "are left out",
+        stuck_voltage_s));
+  }
+  return said;
 }
 
 FlightSamples SampleFlight(const Log& log) {
@@ -231,24 +264,14 @@ FlightSamples SampleFlight(const Log& log) {
   for (const Gap& gap : FindGaps(record)) flight.gap_C += gap.unknown_C;
   flight.fresh = FreshRows(record.time_s, record.voltage_V, flight.voltage_update_s);
   ChooseWindows(flight);
+  LeaveOutStuckVoltage(flight);
+  flight.doubt = DoubtAboutStuckCurrent(flight);
   if (auto followed = TakeOutUnfollowed(flight)) {
     record.current_A = std::move(followed->current_A);
     flight.unfollowed_share = followed->noise_A / flight.largest_A;
-    flight.coherence = 0.0;
     ChooseWindows(flight);
   }
   flight.unresolved = FindUnresolved(record, flight.current_update_s);
-  flight.voltage_V.resize(static_cast<Eigen::Index>(flight.windows.size()));
-  for (std::size_t w = 0; w < flight.windows.size(); ++w) {
-    const auto [first, end] = flight.windows[w];
-    double time_s = 0.0, voltage_V = 0.0;
-    for (std::size_t f = first; f < end; ++f) {
-      time_s += record.time_s[flight.fresh[f]];
-      voltage_V += record.voltage_V[flight.fresh[f]];
-    }
-    flight.time_s.push_back(time_s / static_cast<double>(end - first));
-    flight.voltage_V[static_cast<Eigen::Index>(w)] = voltage_V / static_cast<double>(end - first);
-  }
   return flight;
 }
 

@@ -12,7 +12,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,11 +57,13 @@ struct FlightSamples {
   UnresolvedCurrent unresolved;  ///< between the values of the current
   double gap_C = 0.0;            ///< that may have flowed in gaps between the rows
   std::size_t dropped_rows = 0;  ///< at the end, while the plug was pulled
+  double stuck_voltage_s = 0.0;  ///< over which the voltage stood still: none of it is in `fresh`
+  std::string doubt;             ///< of the current, in a sentence (stuck_sensor.h)
 
   /// The shortest time after a step of the current that the samples tell from the step itself.
   [[nodiscard]] double settle_s() const { return 2.0 * std::max(window_s, voltage_update_s); }
-  /// What is said of that noise; none where none was taken out.
-  [[nodiscard]] std::optional<std::string> SaidOfNoise() const;
+  /// Sentences on what was taken out of the log: that noise, a voltage that stood still.
+  [[nodiscard]] std::vector<std::string> Said() const;
   /// Values at all rows of the record as the windows see them: taken `after_s` earlier, with straight
   /// lines between rows, and averaged.
   [[nodiscard]] Eigen::MatrixXd InWindows(const Eigen::MatrixXd& at_rows, double after_s) const;

@@ -175,8 +175,10 @@ FlightsAlone FitFlightsAlone(const Campaign& campaign, const std::vector<LoadedL
           found.doubts.push_back(std::move(doubt));
       }
     }
-    if (auto said = flight.SaidOfNoise())
-      found.cautions.push_back(fmt::format("{}: {}", loaded.entry.file, *said));
+    for (const std::string& said : flight.Said())
+      found.cautions.push_back(fmt::format("{}: {}", loaded.entry.file, said));
+    if (!flight.doubt.empty())
+      found.doubts.push_back(fmt::format("{}: {}", loaded.entry.file, flight.doubt));
     if (flight.coherence < kCoherent) {
       found.cautions.push_back(fmt::format(
           "{}: voltage and current are not of the same instant (their changes agree to {:.0f} %): "

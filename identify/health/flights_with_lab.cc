@@ -320,7 +320,8 @@ FlightsWithLab FitFlightsWithLab(const Cell& cell, const std::vector<LoadedLog>&
     const auto errors = one_flying.samples.ErrorsOf(at_rows.rightCols(1), one_flying.alone.lag_s);
     flight.mean_error_percent = errors.mean_percent;
     flight.max_error_percent = errors.max_percent;
-    if (auto said = one_flying.samples.SaidOfNoise()) flight.cautions.push_back(std::move(*said));
+    flight.cautions = one_flying.samples.Said();
+    if (!one_flying.samples.doubt.empty()) flight.cautions.push_back(one_flying.samples.doubt);
     if (flight.coherence < kCoherent) {
       flight.cautions.push_back(fmt::format(
           "voltage and current are not of the same instant (their changes agree to {:.0f} %)",

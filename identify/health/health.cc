@@ -109,7 +109,7 @@ void AddCautions(const FlightSamples& samples,
         100.0 * samples.coherence,
         samples.window_s));
   }
-  if (auto said = samples.SaidOfNoise()) cautions.push_back(std::move(*said));
+  for (std::string& said : samples.Said()) cautions.push_back(std::move(said));
   constexpr double kWorthSaying = 0.005;  // of the charge
   if (samples.unresolved.charge_C > kWorthSaying * std::abs(fit.charge_C)) {
     cautions.push_back(fmt::format(
@@ -249,6 +249,12 @@ void DoubtThatItIsOneFlight(const FlightSamples& samples,
       most_V,
       samples.time_s[at]);
   Withdraw("the log holds more than one flight", health);
+}
+
+void DoubtTheCurrent(const FlightSamples& samples, FlightHealth& health) {
+  if (!health.doubted_because.empty() || samples.doubt.empty()) return;
+  health.doubted_because = samples.doubt;
+  Withdraw("the current that flowed is not known", health);
 }
 
 void DoubtTheFit(FlightHealth& health) {
@@ -461,6 +467,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.max_error_percent = fit.max_error_percent;
   DoubtTheRest(reference, record, options.series, health.charge_Ah, health);
   DoubtThatItIsOneFlight(samples, fit, health);
+  DoubtTheCurrent(samples, health);
   DoubtTheFit(health);
   DoubtTheSensor(options.sensors, samples.largest_A, health);
   DoubtTheResistance(health);

@@ -1,0 +1,181 @@
+#include "identify/health/stuck_sensor.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "identify/logs/columns.h"
+#include "identify/logs/staircase.h"
+
+namespace lipoid {
+namespace {
+
+// Changes that agree less than this do not tell what stands still.
+constexpr double kLeastCoherence = 0.5;
+
+// A voltage that moves less, by the mean square of its changes over that elsewhere, is one under a constant current.
+constexpr double kMoves = 0.02;
+
+using Stretch = std::pair<std::size_t, std::size_t>;
+
+// Of rows that show one value for as long. Rows may be means, and that of equal values is the value up to rounding.
+std::vector<Stretch> StretchesOfOneValue(const Record& record,
+                                         const Column& values,
+                                         double least_s) {
+  constexpr double kRounding = 1e-9;
+  std::vector<Stretch> stretches;
+  for (std::size_t first = 0; first < values.size();) {
+    std::size_t last = first;
+    while (last + 1 < values.size() &&
+           std::abs(values[last + 1] - values[first]) <= kRounding * std::abs(values[first]))
+      ++last;
+    if (record.time_s[last] - record.time_s[first] >= least_s) stretches.emplace_back(first, last);
+    first = last + 1;
+  }
+  return stretches;
+}
+
+// Changes of voltage and current from one window to the next.
+struct Changes {
+  double vv = 0.0, vi = 0.0, ii = 0.0, count = 0.0;
+
+  [[nodiscard]] double coherence() const {
+    return vv > 0.0 && ii > 0.0 ? -vi / std::sqrt(vv * ii) : 0.0;
+  }
+};
+
+// For each stretch the changes between windows whose voltage was measured `after_s` after rows of it, and those of all
+// others.
+struct ChangesOf {
+  std::vector<Changes> within;
+  Changes elsewhere;
+};
+
+ChangesOf FindChanges(const FlightSamples& flight,
+                      const std::vector<Stretch>& stretches,
+                      double after_s) {
+  const Record& record = flight.record;
+  const Eigen::VectorXd current_A =
+      flight.InWindows(Eigen::Map<const Eigen::VectorXd>(record.current_A.data(),
+                                                         static_cast<Eigen::Index>(record.size())),
+                       flight.lag_s);
+  ChangesOf found{std::vector<Changes>(stretches.size()), {}};
+  std::size_t s = 0;
+  for (std::size_t w = 1; w < flight.windows.size(); ++w) {
+    const double from_s = record.time_s[flight.fresh[flight.windows[w - 1].first]] - after_s;
+    const double to_s = record.time_s[flight.fresh[flight.windows[w].second - 1]] - after_s;
+    while (s < stretches.size() && record.time_s[stretches[s].second] < to_s) ++s;
+    const bool is_within = s < stretches.size() && from_s >= record.time_s[stretches[s].first];
+    Changes& of = is_within ? found.within[s] : found.elsewhere;
+    const auto k = static_cast<Eigen::Index>(w);
+    const double dv = flight.voltage_V[k] - flight.voltage_V[k - 1];
+    const double di = current_A[k] - current_A[k - 1];
+    of.vv += dv * dv;
+    of.vi += dv * di;
+    of.ii += di * di;
+    of.count += 1.0;
+  }
+  return found;
+}
+
+// For how long the current stands at its largest value, to which a sensor at the end of its range comes back again and
+// again; 0 where that is one of its values like others, or the voltage stands with it.
+double TimeAtEnd(const FlightSamples& flight) {
+  constexpr double kLeastShare = 0.03;  // of the flight
+  constexpr std::size_t kVisits = 3;
+  constexpr std::size_t kLevels =
+      50;  // other values: fewer are those of a coarse sensor, or of a load that is set
+  constexpr std::size_t kFrequent = 5;  // times the rows of any of them
+  const Record& record = flight.record;
+  std::vector<double> rising(record.current_A.begin(), record.current_A.end());
+  std::sort(rising.begin(), rising.end());
+  std::vector<std::size_t> rows;  // of each value
+  for (std::size_t k = 0; k < rising.size(); ++k) {
+    if (k == 0 || rising[k] != rising[k - 1]) rows.push_back(0);
+    ++rows.back();
+  }
+  const std::size_t at_largest = rows.back();
+  rows.pop_back();
+  if (rows.size() < kLevels || at_largest < kFrequent * *std::max_element(rows.begin(), rows.end()))
+    return 0.0;
+  std::vector<Stretch> stretches = StretchesOfOneValue(record, record.current_A, 0.0);
+  std::erase_if(stretches,
+                [&](const Stretch& s) { return record.current_A[s.first] != rising.back(); });
+  double end_s = 0.0;
+  for (const auto& [first, last] : stretches) end_s += record.time_s[last] - record.time_s[first];
+  if (stretches.size() < kVisits ||
+      end_s < kLeastShare * (record.time_s.back() - record.time_s.front()))
+    return 0.0;
+  const ChangesOf changes = FindChanges(flight, stretches, flight.lag_s);
+  Changes within;
+  for (const Changes& of : changes.within) {
+    within.vv += of.vv;
+    within.count += of.count;
+  }
+  const bool moves =
+      within.vv * changes.elsewhere.count > kMoves * changes.elsewhere.vv * within.count;
+  return moves ? end_s : 0.0;
+}
+
+}  // namespace
+
+std::vector<Stretch> FindStuckVoltage(const FlightSamples& flight) {
+  constexpr double kLeast_s = 10.0;
+  constexpr double kUpdates = 20.0;
+  constexpr double kSteps = 3.0;
+  const Record& record = flight.record;
+  std::vector<Stretch> stretches = StretchesOfOneValue(
+      record, record.voltage_V, std::max(kLeast_s, kUpdates * flight.voltage_update_s));
+  if (stretches.empty()) return stretches;
+  const ChangesOf changes = FindChanges(flight, stretches, 0.0);
+  const Changes& elsewhere = changes.elsewhere;
+  if (elsewhere.coherence() < kLeastCoherence) return {};
+  const double resistance_Ohm = -elsewhere.vi / elsewhere.ii;
+  const double least_V = kSteps * StepOf(record.voltage_V);
+  std::size_t kept = 0;
+  for (std::size_t s = 0; s < stretches.size(); ++s) {
+    const Changes& within = changes.within[s];
+    if (resistance_Ohm * std::sqrt(within.ii / within.count) > least_V)
+      stretches[kept++] = stretches[s];
+  }
+  stretches.resize(kept);
+  return stretches;
+}
+
+std::string DoubtAboutStuckCurrent(const FlightSamples& flight) {
+  const Record& record = flight.record;
+  if (const double end_s = TimeAtEnd(flight); end_s > 0.0) {
+    return fmt::format(
+        "the current shows {:.4g} A, and never more, for {:.3g} s in all while the voltage moves as under one that "
+        "changes: the sensor measures no larger current, and neither charge nor resistance of this log is right",
+        FindExtent(record.current_A).most,
+        end_s);
+  }
+  constexpr double kUpdates = 10.0;
+  constexpr double kFewest = 10.0;  // changes
+  constexpr double kNoise = 4.0;  // times what of the voltage is not the current's doing elsewhere
+  const std::vector<Stretch> stretches = StretchesOfOneValue(
+      record, record.current_A, kUpdates * std::max(flight.current_update_s, flight.window_s));
+  const ChangesOf changes = FindChanges(flight, stretches, flight.lag_s);
+  const Changes& elsewhere = changes.elsewhere;
+  const double coherence = elsewhere.coherence();
+  if (elsewhere.count < kFewest || coherence < kLeastCoherence) return "";
+  const double unexplained = 1.0 - coherence * coherence;
+  const double least_V2 = std::max(kNoise * unexplained, kMoves) * elsewhere.vv / elsewhere.count;
+  for (std::size_t s = 0; s < stretches.size(); ++s) {
+    const Changes& within = changes.within[s];
+    if (within.count < kFewest || within.vv / within.count < least_V2) continue;
+    const auto [first, last] = stretches[s];
+    return fmt::format(
+        "the current shows {:.4g} A from {:.5g} to {:.5g} s while the voltage moves as under one that changes: the "
+        "sensor was stuck, and neither charge nor resistance of this log is right",
+        record.current_A[first],
+        record.time_s[first],
+        record.time_s[last]);
+  }
+  return "";
+}
+
+}  // namespace lipoid
