@@ -56,11 +56,16 @@ const Improvement* Reached(const OptimizationSummary& summary, double cost) {
   return found == summary.improvements.end() ? nullptr : &*found;
 }
 
-// A resistance of 0 is a branch that is not there; searches that stop short of a bound by so little are at it.
-bool AtBound(const PulseVariable& variable, double value) {
+// A resistance of 0 is a branch that is not there, and one of a thousandth of what the data show is none either;
+// searches stop short of other bounds by less.
+bool AtBound(const PulseVariable& variable, double value, double start) {
   constexpr double kNear = 1e-6;
-  const double near = kNear * std::max(std::abs(value), variable.unit);
-  return value <= variable.lower + near || value >= variable.upper - near;
+  constexpr double kNoBranch = 1e-3;
+  const double near = kNear * std::max(std::abs(value), std::abs(start));
+  const double near_lower = variable.kind == PulseVariable::Kind::kResistance
+                                ? kNoBranch * (start - variable.lower)
+                                : near;
+  return value <= variable.lower + std::max(near, near_lower) || value >= variable.upper - near;
 }
 
 }  // namespace
@@ -96,7 +101,8 @@ Comparison CompareOptimizers(const VoltageSweep& sweep,
     result.summary = optimizer->Minimize(p, p.Point(unknowns.start), settings);
     result.parameters = p.Parameters(result.summary.x);
     for (const PulseVariable& v : p.variables()) {
-      if (AtBound(v, Entry(result.parameters, v))) result.at_bound.push_back(v.name);
+      if (AtBound(v, Entry(result.parameters, v), Entry(unknowns.start, v)))
+        result.at_bound.push_back(v.name);
     }
     result.errors = sweep.Errors(result.parameters.sweep);
     ++done;
@@ -133,9 +139,11 @@ Comparison CompareOptimizers(const VoltageSweep& sweep,
     return std::sqrt(2.0 * cost / static_cast<double>(std::max<std::size_t>(1, sweep.rows())));
   };
   const double best_V = rmse_V(comparison.best_cost);
+  const auto is_best = [&](double cost) {
+    return rmse_V(cost) - best_V <= std::max(kTieFraction * best_V, kTie_V);
+  };
   for (const auto& result : comparison.results) {
-    if (result.optimizer != comparison.best_optimizer &&
-        rmse_V(result.best_cost) - best_V <= std::max(kTieFraction * best_V, kTie_V))
+    if (result.optimizer != comparison.best_optimizer && is_best(result.best_cost))
       comparison.tied.push_back(result.optimizer);
   }
   for (std::size_t row = 0; row < runs.size(); ++row) {
@@ -148,7 +156,8 @@ Comparison CompareOptimizers(const VoltageSweep& sweep,
                                  .summary = run,
                                  .parameters = problem(*optimizers[row]).Parameters(run.x),
                                  .gap = run.cost / comparison.best_cost - 1.0,
-                                 .reached = Reached(run, target) != nullptr});
+                                 .reached = Reached(run, target) != nullptr,
+                                 .is_best = is_best(run.cost)});
     };
     keep(0, settings.context.seed, result.summary);
     for (std::size_t k = 0; k < runs[row].size(); ++k)

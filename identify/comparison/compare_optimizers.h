@@ -78,6 +78,7 @@ struct ComparisonRun {
   PulseParameters parameters;
   double gap = std::numeric_limits<double>::quiet_NaN();  ///< cost / best cost - 1
   bool reached = false;                                   ///< the target
+  bool is_best = false;                                   ///< or as good, but for rounding
 };
 
 struct Comparison {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "identify/comparison/comparison_cautions.h"
 #include "identify/comparison/comparison_report.h"
 #include "identify/identification.h"
 #include "model/core/errors.h"
@@ -99,6 +100,9 @@ Json ComparisonRunToJson(const Campaign& campaign,
     Json& own = json["options"][std::string(optimizer->name)];
     for (const auto& [name, value] : optimizer->values(request.settings)) own[name] = value;
   }
+  const std::string no_answer = WhyNoAnswer(result.comparison);
+  json["no_answer_because"] = no_answer.empty() ? Json(nullptr) : Json(no_answer);
+  json["cautions"] = ComparisonCautions(result.task, result.comparison, request.options.decades);
   json.update(ComparisonToJson(result.comparison, result.task.sweep.setup().diffusion));
   return json;
 }

@@ -164,7 +164,7 @@ OptimizationSummary OptimizerEntry::Minimize(const OptimizationProblem& problem,
 
 std::string OptimizerEntry::WhyNoAnswer(const OptimizationSummary& found) const {
   const bool stopped = found.termination == Termination::kMaxIterations;
-  if (found.usable() && (global || !stopped)) return "";
+  if (found.usable() && (!stopped || (global && found.iterations > 0))) return "";
   return fmt::format(
       "{} did not converge ({}){}",
       name,

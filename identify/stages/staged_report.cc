@@ -153,6 +153,7 @@ Json StagedToJson(const StagedResult& result) {
   Json trust = TrustToJson(result.trust);
   trust["taken_as_exact"] = {"alpha", "open_circuit_voltage"};
   return {{"method", "staged"},
+          {"fitted_kind", options_internal::ToText(result.fitted_kind)},
           {"converged", result.converged},
           {"alpha_C", result.alpha_C},
           {"alpha_source", result.alpha_source},

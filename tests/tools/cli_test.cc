@@ -18,6 +18,7 @@
 #include "tests/support/run_lipoid.h"
 #include "tests/support/throws.h"
 #include "tools/cli/run.h"
+#include "tools/cli/shell_word.h"
 #include "tools/cli/text_table.h"
 
 namespace lipoid::cli {
@@ -238,9 +239,28 @@ TEST(TextTable, WithACaptionIsKeptForThePaperOnceItIsShown) {
     (void)shown.Text();
     (void)plain.Text();
     EXPECT_EQ(paper.latex(), "\n" + shown.Latex());
+    TablesForPaper::About("a_b.csv");
+    (void)shown.Text();
+    TablesForPaper::About("");
+    (void)shown.Text();
+    EXPECT_EQ(paper.latex(),
+              "\n" + shown.Latex() + "\n" + shown.Latex("a_b.csv: ") + "\n" + shown.Latex());
+    EXPECT_NE(shown.Latex("a_b.csv: ").find("\\caption{a\\_b.csv: Shown.}"), std::string::npos);
   }
   const TablesForPaper next;
   EXPECT_EQ(next.latex(), "");
+}
+
+// As POSIX says (Shell Command Language, 2.2.2): nothing ends single quotes but a single quote.
+TEST(ShellWord, IsReadBackByAShell) {
+  EXPECT_EQ(ShellWord("logs/cc_1C.csv"), "logs/cc_1C.csv");
+  EXPECT_EQ(ShellWord(""), "''");
+  EXPECT_EQ(ShellWord("a'b"), "'a'\\''b'");
+  for (const std::string word :
+       {"it's $HOME", "'", "a b", "~/x", "*", "[a]{b}", "#", "!", "\\", "\"$(exit)`\"", "ä"}) {
+    const auto read = test::RunShell(test::TestFolder(), "printf %s " + ShellWord(word));
+    EXPECT_EQ(read.out, word);
+  }
 }
 
 TEST(Wrapped, BreaksAtBlanksAndWhereThereAreNoneAfterCommas) {

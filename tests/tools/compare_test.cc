@@ -262,17 +262,62 @@ TEST(Compare, WhereNothingConvergedThereIsNoAnswer) {
                               "--set",
                               "nelder-mead.iterations_per_variable=1"}));
   };
-  const auto run = stopped("levenberg-marquardt,nelder-mead");
+  const auto run = stopped("levenberg-marquardt");
   EXPECT_EQ(run.exit_code, 1);
-  const std::string why = OnOneLine(run.err);
-  EXPECT_NE(
-      why.find(
-          "the table shows where the optimizers stopped, and no answer: levenberg-marquardt did "
-          "not converge (No iteration was allowed.); allow it more (--set "
-          "levenberg-marquardt.iterations_per_variable=...); nelder-mead did not converge"),
-      std::string::npos)
-      << run.err;
+  const std::string why =
+      "the best is where an optimizer was stopped, and no answer: levenberg-marquardt did "
+      "not converge (No iteration was allowed.); allow it more (--set "
+      "levenberg-marquardt.iterations_per_variable=...)";
+  EXPECT_NE(OnOneLine(run.err).find(why), std::string::npos) << run.err;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("no_answer_because"), why);
+  EXPECT_EQ(stopped("levenberg-marquardt,nelder-mead").exit_code, 1);
   EXPECT_EQ(stopped("levenberg-marquardt,sqp").exit_code, 0) << "one has an answer";
+  EXPECT_EQ(ReadJson(folder, "s.json").at("no_answer_because"), nullptr);
+}
+
+// A search of the whole box ends when its iterations are used up, but what is below it was stopped, and one without an
+// iteration has found nothing.
+TEST(Compare, AStoppedBestIsNoAnswerBesideASearchThatEnded) {
+  const auto folder = TestFolder();
+  SynthesizeExactLogs(folder);
+  const auto beside = RunLipoid(folder,
+                                Compare({"--optimizers",
+                                         "nelder-mead,genetic",
+                                         "--set",
+                                         "nelder-mead.iterations_per_variable=40",
+                                         "--set",
+                                         "genetic.iterations_per_variable=1"}));
+  const Json best = ReadJson(folder, "s.json").at("best");
+  ASSERT_EQ(best.at("optimizer"), "nelder-mead");
+  EXPECT_EQ(beside.exit_code, 1) << beside.out;
+  const auto none = RunLipoid(
+      folder, Compare({"--optimizers", "genetic", "--set", "genetic.iterations_per_variable=0"}));
+  EXPECT_EQ(none.exit_code, 1) << none.out;
+}
+
+// Whether a branch is there does not depend on the units of the search, and of one that is not nobody knows c_1.
+TEST(Compare, ABranchThatIsNotThereIsNoneInAnyScaling) {
+  const auto folder = TestFolder();
+  for (const std::string scaling : {"typical", "none"}) {
+    const auto run = RunLipoid(folder,
+                               {"compare",
+                                SourcePath("fixtures/lab/nissan_leaf_33ah/campaign.toml"),
+                                "--optimizers",
+                                "bobyqa",
+                                "--set",
+                                "scaling=" + scaling,
+                                "--summary",
+                                "s.json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const Json summary = ReadJson(folder, "s.json");
+    EXPECT_EQ(summary.at("results")[0].at("at_bound"), Json({"r_1"})) << scaling;
+    ASSERT_EQ(summary.at("cautions").size(), 1U);
+    const auto& caution = summary.at("cautions")[0].get_ref<const std::string&>();
+    EXPECT_EQ(
+        caution,
+        "r_1 ended at its bound of 0, which is no such branch, with bobyqa: such a value is no finding.");
+    EXPECT_NE(OnOneLine(run.out).find(caution), std::string::npos) << run.out;
+  }
 }
 
 // From a tenth of beta a step on natural parameters seems small, and the best of one is always the best.

@@ -186,6 +186,16 @@ TEST_F(Report, WritesNothingButItsPage) {
             (std::vector<std::string>{"c.html", "c.json", "log.csv", "precious.txt", "s.json"}));
 }
 
+TEST_F(Report, RefusesToReplaceWhatItsResultsWereMadeFrom) {
+  Summary({"inspect", "."});
+  const std::string before = ReadTextFile(folder_ + "/log.csv");
+  const auto run = RunLipoid(folder_, {"report", "s.json", "-o", "log.csv"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("'log.csv' is also an input; name another file"), std::string::npos)
+      << run.err;
+  EXPECT_EQ(ReadTextFile(folder_ + "/log.csv"), before);
+}
+
 TEST_F(Report, ShowsACommandThatFailed) {
   const auto failed =
       RunLipoid(folder_, {"validate", "gifi-600mAh-1", "none.csv", "--summary", "f.json"});

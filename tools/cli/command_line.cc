@@ -18,6 +18,7 @@
 #include "tools/cli/assignments.h"
 #include "tools/cli/help_text.h"
 #include "tools/cli/number_range.h"
+#include "tools/cli/shell_word.h"
 #include "tools/cli/split.h"
 #include "tools/cli/text_table.h"
 
@@ -518,8 +519,7 @@ void CommandLine::CommitOutputs() {
 std::string CommandLine::CommandText() const {
   std::string text = fmt::format("lipoid {}", command_.name);
   for (const auto& argument : arguments_) {
-    const bool plain = argument.find_first_of(" \t\n'\"\\$*?&|;<>()") == std::string::npos;
-    text += plain && !argument.empty() ? " " + argument : " '" + argument + "'";
+    text += " " + ShellWord(argument);
   }
   return text;
 }

@@ -4,16 +4,10 @@
 
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
+#include "tools/cli/shell_word.h"
 
 namespace lipoid::cli {
 namespace {
-
-// The text between single quotes of bash and zsh.
-std::string Quoted(std::string_view text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
 
 // With a backslash before each of the characters.
 std::string Escaped(std::string_view text, std::string_view characters) {
@@ -55,7 +49,7 @@ std::string BashScript(std::span<const CommandDescription> commands) {
       "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n";
   text += fmt::format(
       "    mapfile -t COMPREPLY < <(compgen -W {} -- \"$word\")\n    return\n  fi\n",
-      Quoted(fmt::format("{} help --help --version", fmt::join(CommandNames(commands), " "))));
+      ShellQuoted(fmt::format("{} help --help --version", fmt::join(CommandNames(commands), " "))));
   text += "  case ${COMP_WORDS[1]} in\n";
   for (const auto& command : commands) {
     std::string options;
@@ -69,18 +63,18 @@ std::string BashScript(std::span<const CommandDescription> commands) {
             "        {}) {}mapfile -t COMPREPLY < <(compgen -W {} -- \"$word\"); return ;;\n",
             pattern,
             option.name == "set" ? "compopt -o nospace 2> /dev/null; " : "",
-            Quoted(fmt::format("{}", fmt::join(words, " "))));
+            ShellQuoted(fmt::format("{}", fmt::join(words, " "))));
       } else if (!option.value.empty() && !option.TakesFile()) {
         values += fmt::format("        {}) return ;;\n", pattern);
       }
     }
-    text += fmt::format("    {})\n      options={}\n", command.name, Quoted(options));
+    text += fmt::format("    {})\n      options={}\n", command.name, ShellQuoted(options));
     if (!values.empty()) text += fmt::format("      case $before in\n{}      esac\n", values);
     text += "      ;;\n";
   }
   text += fmt::format(
       "    help) mapfile -t COMPREPLY < <(compgen -W {} -- \"$word\"); return ;;\n  esac\n",
-      Quoted(fmt::format("{}", fmt::join(CommandNames(commands), " "))));
+      ShellQuoted(fmt::format("{}", fmt::join(CommandNames(commands), " "))));
   text +=
       "  if [[ $word == -* ]]; then\n"
       "    mapfile -t COMPREPLY < <(compgen -W \"$options\" -- \"$word\")\n"
@@ -104,7 +98,7 @@ std::string ZshScript(std::span<const CommandDescription> commands) {
       "  local -a commands\n"
       "  commands=(\n";
   for (const auto& command : commands) {
-    text += fmt::format("    {}\n", Quoted(command.name + ":" + ForZsh(command.summary)));
+    text += fmt::format("    {}\n", ShellQuoted(command.name + ":" + ForZsh(command.summary)));
   }
   text +=
       "  )\n"
@@ -134,7 +128,7 @@ std::string ZshScript(std::span<const CommandDescription> commands) {
       for (const auto& spelling : Spellings(option)) {
         text +=
             fmt::format(" \\\n        {}",
-                        Quoted(fmt::format(
+                        ShellQuoted(fmt::format(
                             "{}{}[{}]{}", again ? "*" : "", spelling, ForZsh(option.help), value)));
       }
     }

@@ -123,7 +123,7 @@ std::string Paper(const CommandLine& line, const TablesForPaper& tables) {
   return fmt::format("% lipoid {} ({}): {}\n% \\usepackage{{booktabs}}\n{}",
                      Version(),
                      GitCommit(),
-                     ForeignText(line.CommandText()),
+                     ForeignText(line.CommandText(), std::string::npos),
                      tables.latex());
 }
 

@@ -88,13 +88,18 @@ TablesForPaper::TablesForPaper() {
 
 TablesForPaper::~TablesForPaper() { for_paper = nullptr; }
 
+void TablesForPaper::About(std::string_view what) {
+  if (for_paper != nullptr) for_paper->about_ = what.empty() ? "" : fmt::format("{}: ", what);
+}
+
 void TextTable::Row(std::vector<std::string> cells) {
   Require(cells.size() == columns_.size(), "as many cells as columns");
   rows_.push_back(std::move(cells));
 }
 
 std::string TextTable::Text() const {
-  if (for_paper != nullptr && !caption_.empty()) for_paper->latex_ += "\n" + Latex();
+  if (for_paper != nullptr && !caption_.empty())
+    for_paper->latex_ += "\n" + Latex(for_paper->about_);
   auto rows = rows_;
   // What a column wants, and what it needs at least: whole numbers, and words that may stand below
   // one another.
@@ -210,7 +215,7 @@ std::string LatexText(std::string_view words) {
   return text;
 }
 
-std::string TextTable::Latex() const {
+std::string TextTable::Latex(std::string_view about) const {
   std::string kinds;
   for (const auto& column : columns_) kinds += column.align == Align::kRight ? 'r' : 'l';
   const auto line = [](const auto& cells, auto&& text_of) {
@@ -222,7 +227,7 @@ std::string TextTable::Latex() const {
   std::string text = fmt::format(
       "\\begin{{table}}\n  \\centering\n  \\caption{{{}}}\n  \\begin{{tabular}}{{{}}}\n    "
       "\\toprule\n",
-      LatexText(caption_),
+      LatexText(fmt::format("{}{}", about, caption_)),
       kinds);
   text += line(columns_, [](const Column& column) { return column.header; });
   text += "    \\midrule\n";

@@ -34,7 +34,7 @@ class TextTable {
   void Row(std::vector<std::string> cells);
   [[nodiscard]] std::string Text() const;
   /// The same for a paper: a table with booktabs' rules under its caption.
-  [[nodiscard]] std::string Latex() const;
+  [[nodiscard]] std::string Latex(std::string_view about = "") const;
 
  private:
   std::vector<Column> columns_;
@@ -53,10 +53,13 @@ class TablesForPaper {
 
   /// Its preamble wants \\usepackage{booktabs}.
   [[nodiscard]] const std::string& latex() const { return latex_; }
+  /// What the tables from here on are of, before each caption: a log or a cell where there are several; "" is none.
+  static void About(std::string_view what);
 
  private:
   friend class TextTable;
   std::string latex_;
+  std::string about_;
 };
 
 /// Words as LaTeX shows them: what LaTeX reads as commands is escaped, and the letters that units

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "identify/comparison/comparison_cautions.h"
 #include "identify/comparison/comparison_report.h"
 #include "identify/comparison/comparison_run.h"
 #include "identify/stages/staged_report.h"
@@ -27,8 +28,13 @@ using cli::Significant;
 using cli::TextTable;
 
 std::string ProblemText(const PulseTask& task, const Comparison& comparison) {
+  const bool is_beta_free = std::any_of(comparison.variables.begin(),
+                                        comparison.variables.end(),
+                                        [](const PulseVariable& v) { return v.name == "beta"; });
   std::string text = fmt::format("Problem {}: {} of {}, {} after condensing\n",
-                                 task.sweep.setup().diffusion ? "(4.61)" : "without diffusion",
+                                 !task.sweep.setup().diffusion ? "without diffusion"
+                                 : is_beta_free                ? "(4.61)"
+                                                               : "(4.60)",
                                  Counted(task.sweep.rows(), "row"),
                                  Counted(task.sweep.logs().size(), "log"),
                                  Counted(task.sweep.points(), "point"));
@@ -93,7 +99,7 @@ std::string ResultsText(const Comparison& comparison, int random_starts) {
   return fmt::format("{}\nWhy each ended\n{}\n{}\n{}", results, why, starts, reached.Text());
 }
 
-std::string ParametersText(const Comparison& comparison, bool diffusion) {
+std::string ParametersText(const Comparison& comparison) {
   std::vector<TextTable::Column> columns{{"optimizer", Align::kLeft}};
   for (const auto& v : comparison.variables) {
     columns.push_back({fmt::format("{} / {}", v.name, CellParameterUnit(v.name))});
@@ -101,11 +107,8 @@ std::string ParametersText(const Comparison& comparison, bool diffusion) {
   TextTable table(std::move(columns), "What each optimizer found.");
   for (const auto& r : comparison.results) {
     std::vector<std::string> row{r.optimizer};
-    // Without r_j nothing tells c_j: wherever the search left it, it is no finding.
-    const Json found = SweepParametersToJson(r.parameters.sweep, diffusion);
-    for (const auto& v : comparison.variables) {
-      row.push_back(found.at(v.name).is_null() ? "-" : Significant(Entry(r.parameters, v), 6));
-    }
+    for (const auto& v : comparison.variables)
+      row.push_back(IsOfNoBranch(r, v) ? "-" : Significant(Entry(r.parameters, v), 6));
     table.Row(std::move(row));
   }
   return table.Text();
@@ -131,91 +134,6 @@ std::string BestText(const Comparison& comparison) {
                          text,
                          comparison.best_fit.Sentence("these logs"))) +
          "\n";
-}
-
-// What the optimizers that found a fit left at a bound; "": nothing.
-std::string BoundsText(const Comparison& comparison, double decades) {
-  std::vector<std::string> sentences;
-  for (std::size_t k = 0; k < comparison.variables.size(); ++k) {
-    const PulseVariable& v = comparison.variables[k];
-    for (const bool lower : {true, false}) {
-      std::vector<std::string> who;
-      double value = 0.0;
-      for (const auto& r : comparison.results) {
-        const double found = Entry(r.parameters, v);
-        if (std::count(r.at_bound.begin(), r.at_bound.end(), v.name) == 0 ||
-            lower != (found - v.lower < comparison.boxed[k].upper - found))
-          continue;
-        who.push_back(r.optimizer);
-        value = lower ? v.lower : comparison.boxed[k].upper;
-      }
-      if (who.empty()) continue;
-      std::string what;
-      if (lower && v.kind == PulseVariable::Kind::kResistance) what = ", which is no such branch,";
-      if (!lower && std::isinf(v.upper)) {
-        what = fmt::format(
-            ", the end of the box that is searched (more than --set decades={:g} widens it),",
-            decades);
-      }
-      sentences.push_back(fmt::format("{} ended at its bound of {}{} with {}",
-                                      v.name,
-                                      Significant(value),
-                                      what,
-                                      who.size() == comparison.results.size() && who.size() > 1
-                                          ? "every optimizer"
-                                          : fmt::format("{}", fmt::join(who, ", "))));
-    }
-  }
-  if (sentences.empty()) return "";
-  return cli::Wrapped(fmt::format("{}: such a value is no finding.", fmt::join(sentences, "; "))) +
-         "\n";
-}
-
-// Where a branch is slower than any that the logs can show: "" where none is.
-std::string SlowBranchesText(const PulseTask& task, const Comparison& comparison) {
-  const double longest_s = FindPulseScales(task.data, task.sweep.setup().alpha_C).longest_tau_s;
-  std::vector<std::string> sentences;
-  for (std::size_t j = 0; j < comparison.start.sweep.resistance_Ohm.size(); ++j) {
-    std::vector<std::string> who;
-    for (const auto& r : comparison.results) {
-      const SweepParameters& found = r.parameters.sweep;
-      if (found.resistance_Ohm[j] > 0.0 && found.time_constant_s[j] > longest_s)
-        who.push_back(r.optimizer);
-    }
-    if (who.empty()) continue;
-    sentences.push_back(fmt::format(
-        "tau_{} = r_{} c_{} of {} is beyond {} s, the longest that these logs can show: the branch is "
-        "a capacitor there, and its r_{} is no finding",
-        j + 1,
-        j + 1,
-        j + 1,
-        fmt::join(who, ", "),
-        Significant(longest_s, 3),
-        j + 1));
-  }
-  if (sentences.empty()) return "";
-  return cli::Wrapped(fmt::format("{}.", fmt::join(sentences, "; "))) + "\n";
-}
-
-// Why no run has an answer, or the best is no fit; "": there is one.
-std::string WhyNoFit(const Comparison& comparison) {
-  if (comparison.best_optimizer.empty())
-    return "no optimizer found a finite cost; the table says why";
-  std::vector<std::string> reasons;
-  for (const ComparisonRun& run : comparison.runs) {
-    std::string reason = FindOptimizer(run.optimizer).WhyNoAnswer(run.summary);
-    if (reason.empty()) {
-      if (comparison.best_fit.grade != FitGrade::kPoor) return "";
-      return fmt::format(
-          "the best fit of this run {}: no success, whatever its gap; try random starts (--starts "
-          "20), or another start (--start)",
-          comparison.best_fit.Sentence("these logs"));
-    }
-    if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end())
-      reasons.push_back(std::move(reason));
-  }
-  return fmt::format("the table shows where the optimizers stopped, and no answer: {}",
-                     fmt::join(reasons, "; "));
 }
 
 }  // namespace
@@ -290,16 +208,13 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   for (const auto& done : task.found.done_instead) line.Print("Note: {}\n", done);
   const std::string problem = ProblemText(task, comparison);
   const std::string results = ResultsText(comparison, request.starts);
-  const std::string parameters = ParametersText(comparison, diffusion);
-  const std::string no_fit = WhyNoFit(comparison);
+  const std::string parameters = ParametersText(comparison);
+  const std::string no_fit = WhyNoAnswer(comparison);
+  std::string cautions;
+  for (const std::string& caution : ComparisonCautions(task, comparison, request.options.decades))
+    cautions += cli::Wrapped(caution) + "\n";
   if (!no_fit.empty()) line.Message("{}", no_fit);
-  line.Print("{}\n{}\n{}\n{}{}{}",
-             problem,
-             results,
-             parameters,
-             BestText(comparison),
-             BoundsText(comparison, request.options.decades),
-             SlowBranchesText(task, comparison));
+  line.Print("{}\n{}\n{}\n{}{}", problem, results, parameters, BestText(comparison), cautions);
   return no_fit.empty() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 

@@ -311,6 +311,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     entry["wall_s"] =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     cells.push_back(std::move(entry));
+    if (batch) cli::TablesForPaper::About(paths[k]);
     line.Print("{}", IdentificationText(campaign, result, verbose));
     if (truth) {
       const auto comparison = CompareCells(*truth, result.cell);
@@ -357,6 +358,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   } else if (found.size() < 2) {
     line.summary()["cells"] = std::move(cells);
   } else {
+    cli::TablesForPaper::About("");
     const auto spread =
         SpreadOfCells(found, joint ? "mean error" : "pulse mean error", mean_errors);
     line.Print("\n{}", spread.text);

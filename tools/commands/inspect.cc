@@ -415,6 +415,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   Json rows = Json::array();
   for (const auto& file : files) {
     if (file.inspection) {
+      if (files.size() > 1) cli::TablesForPaper::About(file.file);
       PrintInspection(line, *file.inspection, all_segments);
       rows.push_back(InspectionToJson(*file.inspection));
     } else {
@@ -426,6 +427,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   }
   if (problems.size() == files.size())
     throw LoadError(files.size() == 1 ? files.front().problems : problems);
+  cli::TablesForPaper::About("");
   if (files.size() > 1) PrintOverview(line, files);
   const bool a_file = !campaign_file.empty() && campaign_file != "/dev/stdout";
   const auto draft =

@@ -29,11 +29,21 @@ cli::ExitCode ReportCommand(cli::CommandLine& line) {
   if (!line.Parse()) return cli::ExitCode::kDone;
   RequireReport();
 
+  // The logs and cells of the results are read again, and are no place for the page.
+  std::vector<Json> summaries;
+  for (const std::string& file : files) {
+    const Json& summary = summaries.emplace_back(ReadSummary(file));
+    if (!summary.contains("run")) continue;
+    std::vector<std::string> read_again;
+    for (const Json& input : summary["run"].at("inputs"))
+      read_again.push_back(input.at("file").get<std::string>());
+    line.AddInputs(read_again);
+  }
   std::vector<ReportResult> results;
   Json shown = Json::array();
   for (std::size_t k = 0; k < files.size(); ++k) {
     line.progress().Update(static_cast<double>(k) / static_cast<double>(files.size()), files[k]);
-    ReportResult result = Replayed(ReadSummary(files[k]), kCommands);
+    ReportResult result = Replayed(std::move(summaries[k]), kCommands);
     result.file = files[k];
     for (const std::string& note : result.notes) line.Message("{}: {}", files[k], note);
     shown.push_back({{"file", files[k]},

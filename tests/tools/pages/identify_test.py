@@ -113,6 +113,7 @@ class Identify(PageTest):
         page = self.open("page.html")
         text = self.text(page)
         self.assertIn("stage by stage", text)
+        self.assertIn(f"its own logs (pulses alone) to {1e3 * summary['verdict']['rmse_V']:.3g} mV", text)
         self.assertNotIn("staged estimate", text)
         self.assertIn("The intervals take alpha and v_oc(A) as exact.", text)
         rows = dict((row[0], row) for row in page.run(TABLE, "Estimates"))

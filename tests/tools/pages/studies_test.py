@@ -109,6 +109,14 @@ class Studies(PageTest):
         self.near(page.run(UNDER_CURSOR, 1, at)[0], results[0]["improvements"][1]["cost_V2"])
         self.assertEqual(page.complaints(), [])
 
+    def test_compare_says_that_the_best_is_no_answer_and_how_the_unknowns_are_moved(self):
+        summary, page = self.page("compare", "logs/campaign.toml", "--optimizers", "sqp",
+                                  "--set", "sqp.iterations_per_variable=1", code=1)
+        self.assertIn(summary["no_answer_because"], page.run("return document.querySelector('.notice.error').textContent"))
+        r_s = next(unknown for unknown in summary["problem"] if unknown["parameter"] == "r_s")
+        moved = page.run("return [...document.querySelectorAll('td:last-child')].map((cell) => cell.textContent)")
+        self.assertIn(f"r_s/{r_s['scale']:.4g}", moved)
+
     def test_compare_sorts_its_table(self):
         summary, page = self.page("compare", "logs/campaign.toml", "--optimizers",
                                   "nelder-mead,levenberg-marquardt,bobyqa")

@@ -1,6 +1,6 @@
 // `lipoid compare`: optimizers on the same problem, by what they found and how fast.
 import { lineChart } from "../chart.js";
-import { disclosure, element, facts, note, section } from "../dom.js";
+import { disclosure, element, facts, note, notice, section } from "../dom.js";
 import { alphaSource, count, significant } from "../format.js";
 import { isNumber, listOf, times } from "../numbers.js";
 import { table } from "../table.js";
@@ -154,6 +154,12 @@ function foundTable(results) {
   );
 }
 
+// As the optimizers see it: over a typical value, or its logarithm.
+function movedAs({ parameter, scale, logarithmic }) {
+  const over = isNumber(scale) && scale !== 1 ? `${parameter}/${significant(scale)}` : String(parameter);
+  return logarithmic ? `log(${over})` : over;
+}
+
 function problemTable(problem) {
   return table(
     [
@@ -162,7 +168,7 @@ function problemTable(problem) {
       { title: "lower bound", of: (p) => p.lower },
       { title: "upper bound", of: (p) => p.upper ?? "none" },
       { title: "box of random starts up to", of: (p) => p.box_upper },
-      { title: "moved as", of: (p) => (p.logarithmic ? "logarithm" : "value") },
+      { title: "moved as", of: movedAs },
     ],
     problem,
     { caption: "What is free" },
@@ -184,6 +190,8 @@ export const compare = {
           : tied.length > 0 ? `A tie: ${[best.optimizer, ...tied].join(", ")} fit equally well, with a cost of ${cost}.`
           : `The best is ${best.optimizer}, with a cost of ${cost}.`),
       best.fit ? judgement(best.fit, "these logs") : null,
+      summary.no_answer_because ? notice("error", `${summary.no_answer_because}.`) : null,
+      listOf(summary.cautions).map((text) => notice("warning", text)),
       facts([["Campaign", summary.campaign], ["Rows", count(summary.rows)], ["Points after condensing", count(summary.points)],
              ["alpha / C", significant(summary.alpha_C)], ["from", alphaSource(summary.alpha_source)]]),
       listOf(summary.done_instead).map((text) => note(text)),

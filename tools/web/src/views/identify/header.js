@@ -12,10 +12,13 @@ function logsInWords(logs) {
     sum(logs.map(({ duration_s }) => duration_s)))}`;
 }
 
-function verdictSentence({ verdict }) {
+// The staged method judges the logs of one kind.
+const ALONE = { "pulses": " (pulses alone)", "constant-current": " (discharges alone)" };
+
+function verdictSentence({ verdict, fitted_kind: kind }) {
   if (!verdict) return null;
   const { grade, rmse_V, mean_error_percent, reasons } = verdict;
-  return judgement({ verdict: grade, rmse_V, mean_error_percent, reason: (reasons ?? []).join("; ") }, "its own logs");
+  return judgement({ verdict: grade, rmse_V, mean_error_percent, reason: (reasons ?? []).join("; ") }, `its own logs${ALONE[kind] ?? ""}`);
 }
 
 /** The key `fit` of a summary as a sentence; `what` are the logs that it is of. */

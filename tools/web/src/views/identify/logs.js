@@ -15,6 +15,8 @@ function errorsOf(summary, log) {
   }
   const fitted = summary.logs?.find(same);
   if (fitted) return { by: fitted, staged: fitted.staged };
+  const alike = (summary.campaign?.logs ?? []).filter(({ kind }) => kind === log.kind);
+  if (log.kind === summary.fitted_kind && alike.length === 1) return { by: summary.stages?.pulses };
   const constant = summary.constant_current?.find(same);
   if (constant) return { by: constant, staged: staged.constant_current?.find(same) };
   return {};
