@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -59,17 +60,24 @@ class Comparison(Reportable):
             rows[one["optimizer"]] = flat
         return pd.DataFrame.from_dict(rows, orient="index")
 
+    @property
+    def cautions(self) -> list[str]:
+        """Why the best is no answer, where it is none, and which numbers are no findings."""
+        because = self.summary["no_answer_because"]
+        return [*([because] if because else []), *self.summary["cautions"]]
+
     def plot(self, axes: Any = None) -> list[Axes]:
         """Draw how far errors are above the least over time; return the axes."""
         return plots.comparison(self.results, axes)
 
     def __repr__(self) -> str:
         best = self.summary["best"]["optimizer"]
-        return f"Comparison({len(self.results)} optimizers, best {best!r})"
+        but = ", which is no answer" if self.summary["no_answer_because"] else ""
+        return f"Comparison({len(self.results)} optimizers, best {best!r}{but})"
 
     def _repr_html_(self) -> str:
-        html: str = self.results.to_html(float_format=lambda x: f"{x:.5g}")
-        return html
+        table: str = self.results.to_html(float_format=lambda x: f"{x:.5g}")
+        return table + "".join(f"<p>{html.escape(caution)}</p>" for caution in self.cautions)
 
 
 @takes(_core.describe_compare)

@@ -710,6 +710,13 @@ def test_compare_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: Pa
     assert list(ours.results.index) == names
     assert {"r_s", "beta"} & {str(c)[:4].rstrip("_") for c in ours.parameters}
     assert len(ours.plot()) == 1
+    assert "no answer" not in repr(ours)
+    stopped = lipoid.compare(
+        lab / "campaign.toml", optimizers=["sqp"], sqp={"iterations_per_variable": 1}
+    )
+    assert repr(stopped) == "Comparison(1 optimizers, best 'sqp', which is no answer)"
+    assert stopped.cautions[0].startswith("the best is where an optimizer was stopped")
+    assert "sqp did not converge" in stopped._repr_html_()
 
 
 def test_study_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: Path) -> None:
