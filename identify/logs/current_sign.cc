@@ -479,12 +479,13 @@ SignFinding FindSignFromPhysics(const Record& record) {
     if (look.one_sided && of_rise > kDecisive) return both_ways();
     // Of a log that is all hold the resistance is not seen: the least that would show.
     const double least_V = std::max(edges.drop_V, kSteadyDrift * look.mean_V);
-    return {CurrentSign::kUnclear,
-            record.size() < kFewRows
-                ? fmt::format("{} are too few to show how the voltage moves with the current",
-                              Counted(record.size(), "row"))
-                : "the voltage hardly moves with the current",
-            look.one_sided && HoldsVoltage(look, least_V, 0.0)};
+    return {
+        CurrentSign::kUnclear,
+        record.size() < kFewRows
+            ? fmt::format("a log of {} is too short to show how the voltage moves with the current",
+                          Counted(record.size(), "row"))
+            : "the voltage hardly moves with the current",
+        look.one_sided && HoldsVoltage(look, least_V, 0.0)};
   }
   const double side = sum > 0.0 ? 1.0 : -1.0;
   const double in_favour =

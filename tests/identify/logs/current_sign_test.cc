@@ -142,7 +142,7 @@ TEST(CurrentSign, IsFoundOfCurrentsOfAnySize) {
 
 TEST(CurrentSign, OfTooFewRowsIsUnclearBecauseOfThat) {
   EXPECT_EQ(FindSignFromPhysics(Simulate({0.0, 1.0}, 1.0, 0.0, 1)).reason,
-            "2 rows are too few to show how the voltage moves with the current");
+            "a log of 2 rows is too short to show how the voltage moves with the current");
 }
 
 TEST(CurrentSign, OfNothingIsUnclear) {
