@@ -156,15 +156,19 @@ FlightModel::FlightModel(const ReferenceCell& reference,
                          const Surroundings& among,
                          const Column& flowed_A)
     : reference_(reference), record_(record), among_(among), flown_{flowed_A, 0.0} {
-  Eigen::MatrixXd covariance(kCurveNodes, kCurveNodes);
+  const ReferenceSpread& spread = reference.spread;
+  const double kinks = spread.kinks_V > 0.0 ? spread.kinks_V / spread.curve_V : 0.0;
+  Eigen::MatrixXd covariance(kCurveNodes, kCurveNodes);  // in curve_V
   for (int a = 0; a < kCurveNodes; ++a) {
     for (int b = 0; b < kCurveNodes; ++b) {
-      const double apart = (a - b) / (kCurveNodes - 1.0) / reference.spread.curve_length;
-      covariance(a, b) = std::exp(-0.5 * apart * apart);
+      const auto over = [apart = (a - b) / (kCurveNodes - 1.0)](double length) {
+        return std::exp(-0.5 * apart * apart / (length * length));
+      };
+      covariance(a, b) = over(spread.curve_length) + kinks * kinks * over(kKinksLength);
     }
     covariance(a, a) += 1e-6;
   }
-  curve_ = reference.spread.curve_V * Eigen::MatrixXd(covariance.llt().matrixL());
+  curve_ = spread.curve_V * Eigen::MatrixXd(covariance.llt().matrixL());
   double charge_C = 0.0;
   for (std::size_t k = 1; k < record.size(); ++k)
     charge_C += record.current_A[k] * (record.time_s[k] - record.time_s[k - 1]);

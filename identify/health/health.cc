@@ -311,6 +311,17 @@ void DoubtTheCapacity(double new_Ah, FlightHealth& health) {
       new_Ah);
 }
 
+// A fit lines up the kinks of the reference's curve with those of the pack, and believes the state of charge there.
+// Kinks of a typical curve are not the pack's: how far they may move a state of charge, as a standard deviation.
+double KinksInSoc(const ReferenceCell& reference, double soc) {
+  constexpr double kLeastSlope_V = 0.2;  // that of the flattest tenth of a lithium-polymer cell
+  const OpenCircuitVoltage& curve = reference.cell.open_circuit_voltage;
+  const double low = std::clamp(soc - kKinksLength, 0.0, 1.0 - 2.0 * kKinksLength);
+  const double high = low + 2.0 * kKinksLength;
+  const double slope_V = (curve(high) - curve(low)) / (high - low);
+  return reference.spread.kinks_V / std::max(slope_V, kLeastSlope_V);
+}
+
 // What flowed in a gap is not known: cautions say so of less, beside intervals of some per cent.
 constexpr double kMostInGaps = 0.02;
 
@@ -358,7 +369,9 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
       (1.0 + x[U::kScale]) * (fit.charge_C + fit.uncounted_C - x[U::kOffset_A] * fit.duration_s);
   health.duration_s = fit.duration_s;
   health.charge_Ah = fit.charge_C / 3600.0;
-  health.soc_start = Symmetric(x[U::kStart], std::sqrt(covariance(U::kStart, U::kStart)));
+  health.soc_start = Symmetric(
+      x[U::kStart],
+      std::hypot(std::sqrt(covariance(U::kStart, U::kStart)), KinksInSoc(reference, x[U::kStart])));
   Eigen::VectorXd slope = Eigen::VectorXd::Zero(x.size());
   slope[U::kStart] = 1.0;
   slope[U::kCapacity] = true_C / alpha_C;
@@ -370,7 +383,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
       std::max(0.0,
                slope.dot(covariance * slope) + 2.0 * of_uncounted * slope.dot(fit.uncounted_with) +
                    of_uncounted * of_uncounted * fit.uncounted_variance_C2));
-  health.soc_end = Symmetric(soc_end, of_end);
+  health.soc_end = Symmetric(soc_end, std::hypot(of_end, KinksInSoc(reference, soc_end)));
 
   const double scale = 1.0 + x[U::kScale];
   slope.setZero();
@@ -379,18 +392,20 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.log_capacity = x[U::kCapacity];
   health.log_capacity_deviation = Deviation(slope, given);
   const double span = 100.0 * std::abs(true_C / alpha_C);
+  const bool is_far = std::abs(x[U::kCapacity]) > kFarFromReference * reference.spread.log_capacity;
   if (health.log_capacity_deviation > kUselessCapacity) {
     const std::string because = fmt::format(
         "the flight takes about {:.0f} % of the charge, over which the voltage does not tell how much "
         "that is of the whole",
         span);
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
-  } else if (AtLimit(x[U::kCapacity])) {
+  } else if (AtLimit(x[U::kCapacity]) || (is_far && fit.start != FlightStart::kRested)) {
     // How full the pack was went with the capacity.
     const bool told = std::isfinite(new_capacity_Ah);
     const std::string because = fmt::format(
-        "this flight does not tell it: the search ended at its limit{}; the flight takes too little of the "
+        "this flight does not tell it: the search ended {}{}; the flight takes too little of the "
         "charge, {}, {}. Give a flight that begins at rest and takes half of the charge",
+        AtLimit(x[U::kCapacity]) ? "at its limit" : "far from any such pack",
         told ? fmt::format(", {:.2g} times the {:.3g} Ah of the new pack",
                            std::exp(x[U::kCapacity]),
                            new_capacity_Ah)
@@ -401,8 +416,8 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
         told ? "or --capacity-Ah is of another pack"
              : "and nobody says how large the pack is (--capacity-Ah)");
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
-    health.soc_start = health.soc_end =
-        Unknown("the search for the capacity ended at its limit, and the state of charge with it");
+    health.soc_start = health.soc_end = Unknown(
+        "the search for the capacity ended where no such pack is, and the state of charge with it");
   } else if (x[U::kStart] > kFullestStart) {
     const std::string because = fmt::format(
         "the search for the state of charge at the start ended at its limit, {:.0f} % of the reference's "
@@ -411,7 +426,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
         100.0 * x[U::kStart]);
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
     health.soc_start = health.soc_end = Unknown(because);
-  } else if (std::abs(x[U::kCapacity]) > kFarFromReference * reference.spread.log_capacity) {
+  } else if (is_far) {
     // What was believed of the capacity and what the flight says exclude one another.
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(fmt::format(
         "the flight fits a pack of {:.2g} times the capacity of the new one, which is {:.3g} Ah; give "

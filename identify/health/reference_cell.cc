@@ -106,6 +106,7 @@ ReferenceCell MakeReference(const Cell& cell, int parallel, std::optional<double
     reference.spread.log_beta = 0.7;
     reference.spread.log_time_constants = 1.0;
     reference.spread.curve_V = 0.03;
+    reference.spread.kinks_V = 0.01;
   }
   return reference;
 }

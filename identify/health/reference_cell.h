@@ -28,7 +28,10 @@ struct ReferenceSpread {
   double log_warming = 0.4;
   double curve_V = 0.005;      ///< of v_oc at one state of charge
   double curve_length = 0.15;  ///< over which its error changes, in state of charge
+  double kinks_V = 0.0;  ///< of what v_oc has besides, over kKinksLength: kinks, and rounded values
 };
+
+inline constexpr double kKinksLength = 0.05;  ///< in state of charge
 
 struct ReferenceCell {
   Cell cell;             ///< one cell, of the capacity of all that are in parallel

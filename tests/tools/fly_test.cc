@@ -666,6 +666,12 @@ TEST(Poles, SaysWhatARangeIs) {
   EXPECT_EQ(error("0.8:1e-9:1"),
             "lipoid poles: error: option --xi: expected FIRST:STEP:LAST or one number, found "
             "'0.8:1e-9:1': more than a million numbers\n");
+  EXPECT_EQ(error("0.8:1:0.9"),
+            "lipoid poles: error: option --xi: expected FIRST:STEP:LAST or one number, found "
+            "'0.8:1:0.9': the first step leads beyond the last\n");
+  EXPECT_EQ(error("0.8,0.9"),
+            "lipoid poles: error: option --xi: expected FIRST:STEP:LAST or one number, found "
+            "'0.8,0.9': a comma neither separates numbers nor parts their digits here\n");
   EXPECT_NE(error("0.8:0:1").find("error"), std::string::npos);
   EXPECT_NE(error("nan").find("found 'nan'"), std::string::npos);
   EXPECT_EQ(RunLipoid(folder, {"poles", "yaw"}).exit_code, 2);

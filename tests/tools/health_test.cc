@@ -200,7 +200,7 @@ TEST(Health, DoubtsAnOffsetThatNoSensorHas) {
   const auto run = RunLipoid(folder, ask);
   EXPECT_EQ(run.exit_code, 1) << run.out << run.err;
   EXPECT_NE(
-      OnOneLine(run.out).find("the current sensor would have to show -1.8 A where none flows"),
+      OnOneLine(run.out).find("the current sensor would have to show -1.9 A where none flows"),
       std::string::npos)
       << run.out;
 }

@@ -23,6 +23,8 @@ std::vector<double> ReadRange(const std::string& option,
   const auto number = [&](const std::string& part, const Range& range) {
     return options_internal::ParseShare("--" + option, part, range);
   };
+  if (text.find(',') != text.npos)
+    fail(": a comma neither separates numbers nor parts their digits here");
   if (parts.size() == 1) return {number(parts[0], valid)};
   if (parts.size() != 3) fail("");
   const double first = number(parts[0], valid);
@@ -31,6 +33,7 @@ std::vector<double> ReadRange(const std::string& option,
   const double count = (last - first) / step;
   if (step == 0.0) fail(": a step of 0 leads nowhere");
   if (!(count >= 0.0)) fail(": the step does not lead from the first to the last");
+  if (count > 0.0 && count < 1.0) fail(": the first step leads beyond the last");
   if (!(count < kMost)) fail(": more than a million numbers");
   std::vector<double> values;
   // A step that misses the last by rounding only has hit it.
