@@ -13,6 +13,7 @@
 #include "identify/logs/gaps.h"
 #include "identify/logs/staircase.h"
 #include "model/core/errors.h"
+#include "model/core/foreign_text.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -197,8 +198,21 @@ void RefuseIdleFlight(const Record& record, double capacity_Ah) {
                     kShortest_s,
                     length_s));
   }
-  const double largest_A = std::max(0.0, FindExtent(record.current_A).most);
+  const Extent current_A = FindExtent(record.current_A);
+  const double largest_A = std::max(0.0, current_A.most);
   const double charge_Ah = DeliveredCharge(record).back() / 3600.0;
+  if (-charge_Ah >= kLeastCharge * capacity_Ah &&
+      -current_A.least >= kLeastRate_per_h * capacity_Ah) {
+    throw LoadError(
+        position,
+        fmt::format(
+            "expected a flight that takes charge from its pack, found one that charges it by {:.3g} Ah, with up to "
+            "{:.3g} A: a sensor that is wired backwards? Write it as a table and turn it (lipoid convert {} -o "
+            "flight.csv; then read that with --current-sign discharge-negative)",
+            -charge_Ah,
+            -current_A.least,
+            ForeignText(record.file)));
+  }
   if (largest_A < kLeastRate_per_h * capacity_Ah || charge_Ah < kLeastCharge * capacity_Ah) {
     // A thousandth of the capacity, given in mAh, makes of an idle flight a usual one.
     constexpr double kMilli = 1e-3;

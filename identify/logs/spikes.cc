@@ -62,7 +62,7 @@ std::vector<std::size_t> FindDeadRows(const Column& v) {
   for (std::size_t k = 0; k < v.size();) {
     const std::size_t first = k;
     while (k < v.size() && v[k] < dead_V) ++k;
-    if (k > first && first > 0 && k < v.size() && k - first <= kMost) {
+    if (k > first && k - first <= kMost) {
       for (std::size_t row = first; row < k; ++row) rows.push_back(row);
     }
     k = std::max(k, first + 1);

@@ -14,7 +14,7 @@ namespace lipoid {
 /// Rows whose voltage leaves the range of all other rows by half that range and by 0.2 V at least,
 /// while the rows beside them stay within it and the current does not change the other way, there and back; and runs of
 /// at most five rows with less than a tenth of the usual voltage, whatever flows.
-/// The first and the last row have a neighbour on one side only and are never among them: a discharge
+/// The first and the last row have a neighbour on one side only and are never among the former: a discharge
 /// may well end on a cliff. Linear in the number of rows.
 [[nodiscard]] std::vector<std::size_t> FindSpikes(const Record& record);
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+import logging
 import os
 from collections.abc import Iterable, Mapping, Set
 from contextlib import suppress
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
     from lipoid._core import Log as CoreLog
     from lipoid._reading_options import ColumnOptions, ReadingOptions
+
+logger = logging.getLogger("lipoid")
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -401,7 +404,11 @@ def as_logs(logs: Any, wanted: str, reading: Mapping[str, Any] = {}) -> list[Log
     several = [] if logs is None else listed(logs)
     if not several:
         raise OptionError(f"{wanted}, found none")
-    return [_log_of(one, reading) for one in several]
+    taken = [_log_of(one, reading) for one in several]
+    for one, log in zip(several, taken, strict=True):
+        for warning in log.warnings if log is not one else ():  # of one's own Log they can be read
+            logger.warning("%s: %s", log.file, warning)
+    return taken
 
 
 def _log_of(one: Any, reading: Mapping[str, Any]) -> Log:

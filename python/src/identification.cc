@@ -16,6 +16,7 @@
 #include "identify/fit_quality.h"
 #include "identify/identification.h"
 #include "identify/identify_request.h"
+#include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/pack_request.h"
 #include "identify/stages/staged_report.h"
@@ -103,13 +104,14 @@ std::string OfPack(const std::string& message) {
 
 // One log of the pack, as that of one cell.
 LogErrors ErrorsOf(const Cell& pack,
-                   const Record& of_pack,
+                   const Log& of_pack,
                    const StartRequest& start,
                    const SurroundingsRequest& surroundings,
                    std::string& doubt) {
-  Record record = of_pack;
+  Record record = of_pack.record;
   if (record.voltage_V.empty())
     throw LoadError({record.file}, "expected a voltage to compare with, found none");
+  RefuseUnknownCharge(record, of_pack.report.gaps, pack.capacity_Ah * pack.parallel);
   const Cell one = OneOf(pack);
   DivideByPack(record, pack.series, pack.parallel);
   try {
@@ -134,18 +136,17 @@ nb::tuple ValidateLogs(const PythonCell& pack, const nb::list& logs, const nb::d
   keywords.Each(start);
   keywords.Each(surroundings);
   keywords.Finish();
-  std::vector<Record> records;
-  for (const nb::handle log : logs)
-    records.push_back(nb::cast<const PythonLog&>(log).Lent().record);
+  std::vector<Log> lent;
+  for (const nb::handle log : logs) lent.push_back(nb::cast<const PythonLog&>(log).Lent());
   Json rows = Json::array();
   Json verdict;
   {
     std::vector<LogErrors> all;
     Work([&](const Tell&) {
-      for (const Record& record : records) {
+      for (const Log& log : lent) {
         StopIfAsked();
         std::string doubt;
-        all.push_back(ErrorsOf(pack.cell, record, start, surroundings, doubt));
+        all.push_back(ErrorsOf(pack.cell, log, start, surroundings, doubt));
         rows.push_back(LogErrorsToJson(all.back()));
         if (!doubt.empty()) rows.back()["doubt"] = std::move(doubt);
       }

@@ -610,6 +610,23 @@ def test_validate_says_of_which_rows_its_errors_are(
         lipoid.validate("gifi-600mAh-1", lipoid.read_log(file), most_rows=1024)
 
 
+def test_validate_says_what_reading_found_and_refuses_a_gap_under_load(
+    lab: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    frame = lipoid.read_log(lab / "cc_1C.csv").to_pandas()
+    spiked = frame.copy()
+    spiked.loc[100, "voltage_V"] = 9.9
+    spiked.to_csv(tmp_path / "spiked.csv", index=False)
+    lipoid.validate("gifi-600mAh-1", tmp_path / "spiked.csv")
+    assert "spiked.csv: 1 row dropped: a voltage of 9.9 V" in caplog.text
+    middle = len(frame) // 2
+    gap = frame.drop(frame.index[middle : middle + middle // 4])
+    with pytest.raises(
+        lipoid.LoadError, match="expected rows wherever a current flows, found a gap"
+    ):
+        lipoid.validate("gifi-600mAh-1", gap)
+
+
 def test_validate_refuses_what_the_program_refuses(lab: Path) -> None:
     with pytest.raises(lipoid.OptionError, match="initial_soc and initial_voltage_V: give one"):
         lipoid.validate("gifi-600mAh-1", lab / "pulses.csv", initial_soc=1.0, initial_voltage_V=4.1)

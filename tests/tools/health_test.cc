@@ -295,6 +295,26 @@ TEST(Health, RefusesWhatSaysNothing) {
                                WriteText("idle.csv", idle)});
   EXPECT_EQ(calm.exit_code, 3);
   EXPECT_NE(calm.err.find("too idle to say anything of the pack"), std::string::npos) << calm.err;
+  std::string wired = "time_s,voltage_V,current_A\n";
+  for (int k = 0; k < 400; ++k)
+    wired += std::to_string(k) + (k % 2 == 0 ? ",4.0,-0.5\n" : ",3.9,-1.5\n");
+  const auto backwards = RunLipoid(TestFolder(),
+                                   {"health",
+                                    "--cell",
+                                    "gifi-600mAh-1",
+                                    "--series",
+                                    "1",
+                                    "--current-sign",
+                                    "discharge-positive",
+                                    WriteText("wired.csv", wired)});
+  EXPECT_EQ(backwards.exit_code, 3);
+  EXPECT_NE(
+      OnOneLine(backwards.err)
+          .find(
+              "expected a flight that takes charge from its pack, found one that charges it by 0.111 Ah, with "
+              "up to 1.5 A: a sensor that is wired backwards?"),
+      std::string::npos)
+      << backwards.err;
 }
 
 // 0.6 Ah of a pack of some 20 Ah, 39 s long and never at rest: nobody says how large it is, and the

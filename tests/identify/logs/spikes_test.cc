@@ -31,6 +31,12 @@ TEST(Spikes, FewRowsWithoutAVoltageAreSpikesWhateverFlows) {
   EXPECT_EQ(FindSpikes(record), (RowNumbers{63, 84, 85}));
   for (std::size_t k = 90; k < 96; ++k) record.voltage_V[k] = 0.0;
   EXPECT_EQ(FindSpikes(record), (RowNumbers{63, 84, 85}));  // six are a fault of another kind
+  // No cliff ends so deep: before the first answer, and after the last.
+  Record ends = Pulses();
+  ends.voltage_V[0] = 0.0;
+  ends.voltage_V[1] = -1.0;
+  ends.voltage_V.back() = 0.0;
+  EXPECT_EQ(FindSpikes(ends), (RowNumbers{0, 1, ends.size() - 1}));
 }
 
 // The current changes there and back, and the voltage follows it the wrong way.
