@@ -195,6 +195,35 @@ def test_what_is_done_is_kept(cells: Path, tmp_path: Path) -> None:
         k: row["finished"] for k, row in first.items() if "cell-2" not in k
     }
     assert run("--branches", "2", "--replace") == (4, 0)
+    # A log that is out of reach, as on a server that is away, says nothing against its result.
+    log.rename(tmp_path / "away.csv")
+    done = {k: (row["status"], row["finished"]) for k, row in rows(results).items()}
+    assert main([*command, "--branches", "2"]) == 1
+    assert told_in(summary)["failed"] == 1
+    assert {k: (row["status"], row["finished"]) for k, row in rows(results).items()} == done
+    (tmp_path / "away.csv").rename(log)
+    assert run("--branches", "2") == (0, 4)
+
+
+def test_a_stopped_replacement_goes_on_only_by_its_name(
+    cells: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    results, table = tmp_path / "results.sqlite", tmp_path / "table.csv"
+    first, second = (str(cells / "batch-0" / f"cell-{k}" / "campaign.toml") for k in (0, 2))
+    table.write_text(f"campaign,batch\n{first},a\n{second},b\n")
+    assert main([str(table), "-o", str(results), *STAGED]) == 0
+    with sqlite3.connect(results) as database:  # as a run with --replace leaves it that is stopped
+        other = database.execute("SELECT value FROM fleet WHERE name = 'options'").fetchone()[0]
+        newer = json.dumps({**json.loads(other), "branches": 2}, sort_keys=True)
+        database.execute("UPDATE fleet SET value = ? WHERE name = 'options'", (newer,))
+        database.execute("UPDATE campaigns SET options = ? WHERE campaign = ?", (newer, first))
+    database.close()
+    again = [first, second, "-o", str(results), *STAGED, "--branches", "2"]
+    assert main(again) == 2
+    assert "holds 1 results of other options" in capsys.readouterr().err
+    assert main([*again, "--replace"]) == 0
+    batches = {k: json.loads(row["metadata"])["batch"] for k, row in rows(results).items()}
+    assert batches == {first: "a", second: "b"}  # which no file says
 
 
 def test_what_is_kept_counts_in_the_exit_code(

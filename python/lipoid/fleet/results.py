@@ -76,7 +76,12 @@ COLUMNS = (
 )
 # fmt: on
 NAMES = ", ".join(f'"{name}"' for name in COLUMNS)
-CHANGES = ", ".join(f'"{name}" = excluded."{name}"' for name in COLUMNS[1:])
+CHANGES = ", ".join(f'"{name}" = excluded."{name}"' for name in COLUMNS[1:-1])
+# A folder says nothing of a campaign; what a table once said stays.
+CHANGES += (
+    ", metadata = CASE WHEN excluded.metadata = '{}' THEN campaigns.metadata"
+    " ELSE excluded.metadata END"
+)
 PUT_CAMPAIGN = (
     f"INSERT INTO campaigns ({NAMES}) VALUES ({', '.join('?' * len(COLUMNS))}) "
     f"ON CONFLICT (campaign) DO UPDATE SET {CHANGES} RETURNING id"
@@ -180,6 +185,15 @@ class Results:
                     "another -o, or --replace to do every campaign again"
                 )
             self._set({"options": options})
+        other, count = self.database.execute(
+            "SELECT options, COUNT(*) FROM campaigns WHERE options <> ? AND status = 'done'",
+            (options,),
+        ).fetchone()
+        if count and not replace:
+            raise UsageError(
+                f"{self.file} holds {count} results of other options, such as {other}, which a run "
+                "with --replace has left: give another -o, or --replace to go on with that run"
+            )
         self.options = options
 
     def _set(self, values: dict[str, str]) -> None:
@@ -225,11 +239,24 @@ class Results:
                 (text := metadata_text(source.metadata), source.campaign, text),
             )
 
+    def _is_out_of_reach(self, campaign: str) -> bool:
+        """Return whether a campaign is done, and a file that it was done from is not there now."""
+        row = self.database.execute(
+            "SELECT inputs FROM campaigns WHERE campaign = ? AND status = 'done'", (campaign,)
+        ).fetchone()
+        return bool(row) and not all(os.path.exists(one["file"]) for one in json.loads(row[0]))
+
     def put(self, rows: Iterable[Row]) -> None:
-        """Write rows, all of them at once; a row of the same campaign is replaced."""
+        """Write rows, all of them at once; a row of the same campaign is replaced.
+
+        But for one that is done and fails now because its files are out of reach: that says
+        nothing against what they held.
+        """
         self.database.execute("BEGIN IMMEDIATE")
         try:
             for row in rows:
+                if row["status"] == "failed" and self._is_out_of_reach(row["campaign"]):
+                    continue
                 values = [row.get(name) for name in COLUMNS]
                 (number,) = self.database.execute(PUT_CAMPAIGN, values).fetchone()
                 self.database.execute("DELETE FROM parameters WHERE id = ?", (number,))
