@@ -173,7 +173,9 @@ void ChooseWindows(FlightSamples& flight) {
 void LeaveOutStuckVoltage(FlightSamples& flight) {
   const Record& record = flight.record;
   for (const auto& [first, last] : FindStuckVoltage(flight)) {
-    std::erase_if(flight.fresh, [&](std::size_t row) { return row > first && row <= last; });
+    std::erase_if(flight.fresh, [first = first, last = last](std::size_t row) {
+      return row > first && row <= last;
+    });
     flight.stuck_voltage_s += record.time_s[last] - record.time_s[first];
   }
   if (flight.stuck_voltage_s > 0.0) ChooseWindows(flight);
