@@ -56,16 +56,15 @@ const Improvement* Reached(const OptimizationSummary& summary, double cost) {
   return found == summary.improvements.end() ? nullptr : &*found;
 }
 
-// A resistance of 0 is a branch that is not there, and one of a thousandth of what the data show is none either;
-// searches stop short of other bounds by less.
+// Searches stop short of a bound by little. A branch of a thousandth of what the data show is none either.
 bool AtBound(const PulseVariable& variable, double value, double start) {
   constexpr double kNear = 1e-6;
   constexpr double kNoBranch = 1e-3;
   const double near = kNear * std::max(std::abs(value), std::abs(start));
-  const double near_lower = variable.kind == PulseVariable::Kind::kResistance
-                                ? kNoBranch * (start - variable.lower)
-                                : near;
-  return value <= variable.lower + std::max(near, near_lower) || value >= variable.upper - near;
+  const double no_branch = variable.kind == PulseVariable::Kind::kResistance
+                               ? kNoBranch * (start - variable.lower)
+                               : 0.0;
+  return value <= variable.lower + std::max(near, no_branch) || value >= variable.upper - near;
 }
 
 }  // namespace

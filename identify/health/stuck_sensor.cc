@@ -158,6 +158,7 @@ std::string DoubtAboutStuckCurrent(const FlightSamples& flight) {
   constexpr double kNoise = 4.0;  // times what of the voltage is not the current's doing elsewhere
   const std::vector<Stretch> stretches = StretchesOfOneValue(
       record, record.current_A, kUpdates * std::max(flight.current_update_s, flight.window_s));
+  if (stretches.empty()) return "";
   const ChangesOf changes = FindChanges(flight, stretches, flight.lag_s);
   const Changes& elsewhere = changes.elsewhere;
   const double coherence = elsewhere.coherence();

@@ -220,7 +220,11 @@ def test_a_stopped_replacement_goes_on_only_by_its_name(
     database.close()
     again = [first, second, "-o", str(results), *STAGED, "--branches", "2"]
     assert main(again) == 2
-    assert "holds 1 results of other options" in capsys.readouterr().err
+    assert (
+        f"of the options {other}, too, which a run with --replace has left ({second})"
+        in capsys.readouterr().err
+    )
+    assert rows(results)[second]["options"] == other
     assert main([*again, "--replace"]) == 0
     batches = {k: json.loads(row["metadata"])["batch"] for k, row in rows(results).items()}
     assert batches == {first: "a", second: "b"}  # which no file says

@@ -225,6 +225,7 @@ TEST(Compare, HoldsBoundsAndFitsTimeConstants) {
   std::vector<std::string> names;
   for (const Json& v : summary.at("problem")) names.push_back(v.at("parameter"));
   EXPECT_EQ(names, (std::vector<std::string>{"r_s", "r_1", "tau_1"}));
+  EXPECT_EQ(run.out.rfind("Problem (4.60): ", 0), 0U) << run.out;  // beta is held
   EXPECT_EQ(summary.at("problem")[2].at("start"), 20.0);
   EXPECT_EQ(summary.at("problem")[1].at("unit"), "Ohm");  // of start and bounds
   EXPECT_EQ(summary.at("problem")[2].at("unit"), "s");

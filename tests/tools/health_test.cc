@@ -284,29 +284,24 @@ TEST(Health, RefusesWhatSaysNothing) {
     idle += std::to_string(k);
     idle += k % 2 == 0 ? ",4.0,0.01\n" : ",3.99,0.02\n";
   }
-  const auto calm = RunLipoid(TestFolder(),
-                              {"health",
-                               "--cell",
-                               "gifi-600mAh-1",
-                               "--series",
-                               "1",
-                               "--current-sign",
-                               "discharge-positive",
-                               WriteText("idle.csv", idle)});
+  const auto flown = [](const std::string& file, const std::string& rows) {
+    return RunLipoid(TestFolder(),
+                     {"health",
+                      "--cell",
+                      "gifi-600mAh-1",
+                      "--series",
+                      "1",
+                      "--current-sign",
+                      "discharge-positive",
+                      WriteText(file, rows)});
+  };
+  const auto calm = flown("idle.csv", idle);
   EXPECT_EQ(calm.exit_code, 3);
   EXPECT_NE(calm.err.find("too idle to say anything of the pack"), std::string::npos) << calm.err;
   std::string wired = "time_s,voltage_V,current_A\n";
   for (int k = 0; k < 400; ++k)
     wired += std::to_string(k) + (k % 2 == 0 ? ",4.0,-0.5\n" : ",3.9,-1.5\n");
-  const auto backwards = RunLipoid(TestFolder(),
-                                   {"health",
-                                    "--cell",
-                                    "gifi-600mAh-1",
-                                    "--series",
-                                    "1",
-                                    "--current-sign",
-                                    "discharge-positive",
-                                    WriteText("wired.csv", wired)});
+  const auto backwards = flown("wired.csv", wired);
   EXPECT_EQ(backwards.exit_code, 3);
   EXPECT_NE(
       OnOneLine(backwards.err)

@@ -39,6 +39,18 @@ TEST(Inspect, DraftsNoCellOfAPieceOfALog) {
   EXPECT_FALSE(std::ifstream(folder + "/c.toml").good());
 }
 
+TEST(Inspect, SaysInAPaperWhichLogATableIsOf) {
+  const auto folder = TestFolder();
+  WriteDischarge(folder + "/a.csv");
+  WriteDischarge(folder + "/b.csv");
+  const auto run = RunLipoid(folder, {"inspect", "a.csv", "b.csv", "--latex", "t.tex", "--quiet"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string paper = ReadTextFile(folder + "/t.tex");
+  for (const std::string caption :
+       {"a.csv: Segments of the log.", "b.csv: Segments of the log.", "The logs."})
+    EXPECT_NE(paper.find("\\caption{" + caption + "}"), std::string::npos) << paper;
+}
+
 TEST(Inspect, SummaryHasTheKeysOfTheDesign) {
   const auto folder = TestFolder();
   WriteDischarge(folder + "/cc.csv");

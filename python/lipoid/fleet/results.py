@@ -185,16 +185,8 @@ class Results:
                     "another -o, or --replace to do every campaign again"
                 )
             self._set({"options": options})
-        other, count = self.database.execute(
-            "SELECT options, COUNT(*) FROM campaigns WHERE options <> ? AND status = 'done'",
-            (options,),
-        ).fetchone()
-        if count and not replace:
-            raise UsageError(
-                f"{self.file} holds {count} results of other options, such as {other}, which a run "
-                "with --replace has left: give another -o, or --replace to go on with that run"
-            )
         self.options = options
+        self.replace = replace
 
     def _set(self, values: dict[str, str]) -> None:
         self.database.executemany("INSERT OR REPLACE INTO fleet VALUES (?, ?)", values.items())
@@ -219,13 +211,29 @@ class Results:
         self._unlock()
 
     def done(self, campaign: str) -> tuple[list[dict[str, Any]], bool] | None:
-        """Return the inputs of a campaign that is done with these options, and if it is usable."""
+        """Return the inputs of a campaign that is done with these options, and if it is usable.
+
+        Raises
+        ------
+        UsageError
+            Where it is done with other options, as a stopped run with ``--replace`` leaves it, and
+            may not be replaced.
+        """
         row = self.database.execute(
-            "SELECT inputs, usable FROM campaigns "
-            "WHERE campaign = ? AND status = 'done' AND options = ?",
-            (campaign, self.options),
+            "SELECT inputs, usable, options FROM campaigns WHERE campaign = ? AND status = 'done'",
+            (campaign,),
         ).fetchone()
-        return (json.loads(row[0]), bool(row[1])) if row else None
+        if not row:
+            return None
+        if row[2] == self.options:
+            return json.loads(row[0]), bool(row[1])
+        if not self.replace:
+            raise UsageError(
+                f"{self.file} holds results of the options {row[2]}, too, which a run with "
+                f"--replace has left ({campaign}): give another -o, or --replace to go on with "
+                "that run"
+            )
+        return None
 
     def renew(self, source: Source, inputs: list[dict[str, Any]]) -> None:
         """Keep a result whose files have the same bytes as before, and what its table says now."""
