@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import html
+import importlib.util
 import itertools
 import json
 import math
@@ -481,6 +482,12 @@ def test_linked_folders_count_once(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(fleet)
     found = [Path(one.campaign).parent for one in find([str(tmp_path / "link")])]
     assert found == [tmp_path / "link" / "b", tmp_path / "link" / "lab" / "deep" / "c"]
+    both = [str(tmp_path / "link" / "b"), str(fleet / "b")]
+    assert [Path(one.campaign).parent for one in find(both)] == [tmp_path / "link" / "b"]
+    table = tmp_path / "table.csv"
+    table.write_text("campaign\nlink/b\nfleet/b\n")
+    with pytest.raises(lipoid.LoadError, match="fleet/b was named before, in row 2"):
+        find([str(table)])
     (tmp_path / "empty").mkdir()
     (tmp_path / "empty" / "self").symlink_to(".")
     with pytest.raises(lipoid.LoadError, match=r"found no campaign\.toml in this folder or below"):
@@ -596,6 +603,43 @@ def test_options_are_those_of_identify(cells: Path, tmp_path: Path) -> None:
     assert run["options"]["pulses"]["terms"] == 5
     assert run["options"]["open_circuit_voltage"]["knots"] == 50
     assert json.loads(row["cell"])["diffusion"]["beta_per_sqrt_s"] == 0.2
+
+
+def test_a_default_that_is_written_is_no_other_option(cells: Path, tmp_path: Path) -> None:
+    one = str(cells / "batch-0" / "cell-0" / "campaign.toml")
+    results = tmp_path / "r.sqlite"
+    summary = tmp_path / "s.json"
+    words = [one, "-o", str(results), *STAGED, "--summary", str(summary)]
+    main(words)
+    defaults = ["pulses.terms=10", "pulses.tail=true", "solver.step_tolerance=1.0e-10"]
+    main([*words, "--seed", "0", "--set", *defaults])
+    assert json.loads(summary.read_text())["kept"] == 1
+    assert main([*words, "--set", "pulses.terms=9"]) == 2
+    made = tmp_path / "joint.sqlite"
+    main([one, "-o", str(made), "--quiet", "--method", "joint"])
+    assert rows(made)[one]["options"] == "{}"
+
+
+@pytest.mark.parametrize(
+    ("url", "message"),
+    [
+        ("postgresql+nosuchdriver://u:secret@h/d", "SQLAlchemy knows no such database"),
+        ("nosuchdatabase://u:secret@h/d", "SQLAlchemy knows no such database"),
+        ("postgresql+pg8000://u:secret@h/d", "the driver of this database is not installed"),
+        ("://", "expected an SQLAlchemy URL"),
+        ("postgresql://u:secret@h:port/d", "expected an SQLAlchemy URL"),
+    ],
+)
+def test_databases_out_of_reach_are_said(
+    url: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("sqlalchemy")
+    if "pg8000" in url and importlib.util.find_spec("pg8000"):
+        pytest.skip("pg8000 is installed")
+    words = ["-o", str(tmp_path / "r.sqlite"), "--query", "SELECT campaign FROM t"]
+    assert main([url, *words]) == 2
+    told = capsys.readouterr().err
+    assert message in told and "secret" not in told
 
 
 def test_profiles_are_asked_for_as_of_identify(cells: Path, tmp_path: Path) -> None:
@@ -946,6 +990,7 @@ def report_of(
     values: Sequence[float],
     metadata: Sequence[dict[str, Any]] = (),
     options: Sequence[str] = (),
+    campaigns: Sequence[tuple[str, str]] = (),  # with the SHA-256 of their file
 ) -> Reported:
     """Return the report of cells with these values of r_s."""
     file = folder / "r.sqlite"
@@ -956,6 +1001,9 @@ def report_of(
         row |= {"commit": "c", "finished": "now", "attempts": 1, "rmse_V": 1e-3 + 1e-5 * (k % 5)}
         row["metadata"] = json.dumps(metadata[k] if metadata else {})
         row["options"] = options[k] if options else "{}"
+        if campaigns:
+            row["campaign"], digest = campaigns[k]
+            row["inputs"] = json.dumps([{"file": row["campaign"], "sha256": digest}])
         row["parameters"] = [("r_s", "Ohm", value, None, None, None, "identified")]
         made.append(row)
     with Results(file, "{}") as results:
@@ -1169,6 +1217,30 @@ def test_results_of_several_options_are_said(
     )
     assert note in found.page and f"warning: {note}" in found.told
     assert "sets of options" not in report_of(tmp_path, capsys, values).told
+
+
+def test_a_renamed_campaign_counts_once_and_copies_are_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("new", "b", "c"):
+        (tmp_path / name).touch()
+    (tmp_path / "d").symlink_to("c")
+    names = [("old", "1"), ("new", "1"), ("b", "2"), ("c", "3"), ("d", "3"), ("gone", "4")]
+    campaigns = [(str(tmp_path / name), digest) for name, digest in names]
+    values = [9.0, 0.1, 0.2, 0.3, 9.0, 0.4]
+    told = report_of(tmp_path, capsys, values, campaigns=campaigns).told
+    assert "4 cells, 0 failed" in told
+    assert "Left out: 2 results of campaigns that were moved or renamed since, or have" in told
+    assert "byte for byte" not in told
+    campaigns[4] = (str(tmp_path / "b"), "1")  # a copy, at another place that is there
+    campaigns[2] = (str(tmp_path / "e"), "2")
+    told = report_of(tmp_path, capsys, values, campaigns=campaigns).told
+    assert "5 cells, 0 failed" in told and "Left out: 1 result of" in told
+    copy = f"({tmp_path / 'new'} of {tmp_path / 'b'})"
+    assert f"The files of 1 result are those of another one, byte for byte {copy}" in told
+    assert report_of(tmp_path, capsys, values).told.startswith(
+        "lipoid-fleet report: warning: There"
+    )
 
 
 def test_the_page_runs_nothing_and_loads_nothing(tmp_path: Path) -> None:

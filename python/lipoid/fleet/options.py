@@ -188,4 +188,20 @@ def keywords(given: argparse.Namespace) -> dict[str, Any]:
         if not 0 <= given.seed <= LARGEST_SEED:
             raise OptionError(f"--seed: expected 0 .. {LARGEST_SEED}, found {given.seed}")
         found["seed"] = given.seed
+    return _without_defaults(found)
+
+
+def _without_defaults(given: dict[str, Any]) -> dict[str, Any]:
+    """Leave out what says only what holds without it: results are told apart by the rest."""
+    found = {name: value for name, value in given.items() if (name, value) != ("seed", 0)}
+    for option in _core.describe_identify():
+        name = option["name"]
+        for one in option.get("options", []):
+            if found.get(name, {}).get(one["name"]) == _read(name, one, one["default"]):
+                found[name] = {key: of for key, of in found[name].items() if key != one["name"]}
+        if "options" not in option and option["default"] not in ("None", ""):
+            if found.get(name) == _read(name, option, option["default"]):
+                del found[name]
+        elif found.get(name) == {}:
+            del found[name]
     return found

@@ -161,9 +161,6 @@ def command(words: list[str]) -> int:
             "SELECT campaign, failure, reason FROM campaigns WHERE status = 'failed' "
             "ORDER BY campaign"
         ).fetchall()
-        (done,) = database.execute(
-            "SELECT count(*) FROM campaigns WHERE status = 'done'"
-        ).fetchone()
         versions = database.execute('SELECT DISTINCT version, "commit" FROM campaigns').fetchall()
     except sqlite3.Error as error:
         message = f"{given.results}: error: cannot be read: {error}"
@@ -180,7 +177,7 @@ def command(words: list[str]) -> int:
         write_text(given.output, spreads.to_csv(index=False))
     else:
         failures = pd.DataFrame(failed, columns=["campaign", "failure", "reason"])
-        parts = _parts(fleet, sigmas, (done, versions, failures, spreads, outliers, batches, ages))
+        parts = _parts(fleet, sigmas, (versions, failures, spreads, outliers, batches, ages))
         write_text(given.output, page.page("Fleet of cells", parts))
     if given.outliers:
         write_text(given.outliers, outliers.to_csv(index=False))
@@ -194,7 +191,7 @@ def command(words: list[str]) -> int:
         print(f"lipoid-fleet report: warning: {caveat}", file=sys.stderr)
     cells = outliers["campaign"].nunique() if len(outliers) else 0
     print(
-        f"{done} cells, {len(failed)} failed; {cells} stand out by more than chance lets "
+        f"{fleet.cells} cells, {len(failed)} failed; {cells} stand out by more than chance lets "
         f"{sigmas:g} standard deviations",
         file=sys.stderr,
     )
@@ -226,7 +223,6 @@ def _parts(
     fleet: Fleet,
     sigmas: float,
     found: tuple[
-        int,
         list[tuple[str, str]],
         pd.DataFrame,
         pd.DataFrame,
@@ -235,10 +231,10 @@ def _parts(
         pd.DataFrame,
     ],
 ) -> list[str]:
-    done, versions, failures, spreads, outliers, batches, ages = found
+    versions, failures, spreads, outliers, batches, ages = found
     made_by = ", ".join(f"lipoid {version} ({commit})" for version, commit in versions)
     parts = [
-        f"<p>{done} cells are identified, {len(failures)} campaigns failed. Identified by "
+        f"<p>{fleet.cells} cells are identified, {len(failures)} campaigns failed. Identified by "
         f"{escape(made_by)}; this page by lipoid {lipoid.__version__}.</p>",
         *(f'<p class="found">{escape(one)}</p>' for one in fleet.caveats),
         "<h2>Spread</h2><p>Over the cells whose logs identify the parameter. The robust standard "

@@ -12,7 +12,7 @@ import math
 import os
 import re
 import sqlite3
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -52,12 +52,12 @@ def find(
     several = list(given)
     if query and (len(several) != 1 or not is_database(several[0])):
         raise UsageError("--query needs one SOURCE that is a database: a file or an SQLAlchemy URL")
-    found: dict[str, Source] = {}
+    found: dict[Hashable, Source] = {}
     for source in several:
         for one in _of_source(source, query, [] if unreadable is None else unreadable):
             if one.campaign != one.campaign.encode(errors="replace").decode():
                 _fail(source, 0, f"expected paths in UTF-8, found {one.campaign!r}; rename it")
-            before = found.setdefault(one.campaign, one)
+            before = found.setdefault(_identity_of_campaign(one.campaign), one)
             if before.metadata != one.metadata:
                 _fail(source, 0, f"{one.campaign} was named before with other columns")
     return list(found.values())
@@ -102,7 +102,7 @@ def _of_source(source: str, query: str, unreadable: list[str]) -> Iterator[Sourc
             tables.append(one)
         else:
             campaigns.append(os.path.abspath(one))
-    for campaign in _once([*campaigns, *_of_folders(folders, unreadable)]):
+    for campaign in [*campaigns, *_of_folders(folders, unreadable)]:
         yield Source(campaign, {})
     for table in tables:
         reads = _read_parquet if table.lower().endswith(".parquet") else _read_csv
@@ -114,13 +114,10 @@ def _identity(folder: str) -> tuple[int, int]:
     return status.st_dev, status.st_ino
 
 
-def _once(campaigns: Iterable[str]) -> Iterable[str]:
-    """Leave out a campaign that was there before, by another name of its folder."""
-    known: dict[tuple[tuple[int, int], str], str] = {}
-    for campaign in campaigns:
-        folder, name = os.path.split(campaign)
-        known.setdefault((_identity(folder), name), campaign)
-    return known.values()
+def _identity_of_campaign(campaign: str) -> Hashable:
+    """Return what a campaign has in common with itself by another name of its folder."""
+    folder, name = os.path.split(campaign)
+    return (_identity(folder), name) if os.path.isdir(folder) else campaign
 
 
 def _of_folders(tops: list[str], unreadable: list[str]) -> list[str]:
@@ -165,7 +162,7 @@ Row = tuple[int, dict[str, Any]]  # line (0: the table has none) and values by c
 
 
 def _of_table(source: str, rows: Iterable[Row], folder: str) -> Iterator[Source]:
-    lines: dict[str, int] = {}
+    lines: dict[Hashable, int] = {}
     for line, row in _without_decimals(list(rows)):
         campaign = row.get(COLUMN)
         if not isinstance(campaign, str) or not campaign.strip():
@@ -176,9 +173,10 @@ def _of_table(source: str, rows: Iterable[Row], folder: str) -> Iterator[Source]
         path = os.path.abspath(os.path.join(folder, campaign))
         if os.path.isdir(path):
             path = os.path.join(path, CAMPAIGN_FILE)
-        if path in lines:
-            _fail(source, line, f"{campaign} was named before, in row {lines[path]}")
-        lines[path] = line or len(lines) + 1
+        identity = _identity_of_campaign(path)
+        if identity in lines:
+            _fail(source, line, f"{campaign} was named before, in row {lines[identity]}")
+        lines[identity] = line or len(lines) + 1
         metadata = {key: _plain(value) for key, value in row.items() if key != COLUMN}
         yield Source(path, metadata)
     if not lines:
@@ -303,8 +301,7 @@ def _read_query(source: str, query: str) -> Iterator[Row]:
         message = f"a database needs sqlalchemy: pip install 'lipoid[fleet]' ({error})"
         raise UsageError(message) from None
     if "://" in source:
-        engine = sqlalchemy.create_engine(source)
-        shown = sqlalchemy.make_url(source).render_as_string(hide_password=True)
+        engine, shown = _engine(source)
     else:
         if not os.path.exists(source):
             _fail(source, 0, "expected a readable file, found none (No such file or directory)")
@@ -325,6 +322,28 @@ def _read_query(source: str, query: str) -> Iterator[Row]:
         _fail(shown, 0, f"the query failed: {str(error).splitlines()[0]}")
     finally:
         engine.dispose()
+
+
+def _engine(url: str) -> tuple[Any, str]:
+    """Return the way to a database, and its address without a password."""
+    import sqlalchemy
+
+    try:
+        shown = sqlalchemy.make_url(url).render_as_string(hide_password=True)
+    except (sqlalchemy.exc.ArgumentError, ValueError):
+        raise UsageError(
+            "SOURCE: expected an SQLAlchemy URL such as postgresql+psycopg://USER@HOST/DATABASE; "
+            "this one cannot be read as one"
+        ) from None
+    try:
+        return sqlalchemy.create_engine(url), shown
+    except sqlalchemy.exc.NoSuchModuleError as error:
+        raise UsageError(f"{shown}: SQLAlchemy knows no such database ({error})") from None
+    except ImportError as error:
+        raise UsageError(
+            f"{shown}: the driver of this database is not installed ({error}): pip install it, or "
+            "name another one in the URL, as in postgresql+psycopg://"
+        ) from None
 
 
 def metadata_text(metadata: dict[str, Value]) -> str:

@@ -9,7 +9,9 @@ error where that is larger.
 from __future__ import annotations
 
 import itertools
+import json
 import math
+import os
 import sqlite3
 from collections import Counter
 from dataclasses import dataclass, field
@@ -108,6 +110,8 @@ class Fleet:
     ----------
     quantities : list of Quantity
         Every parameter that a cell of the results has, then the errors of the fits.
+    cells : int
+        How many cells are identified.
     ages : int
         How many different ages the cells have.
     caveats : list of str
@@ -115,6 +119,7 @@ class Fleet:
     """
 
     quantities: list[Quantity]
+    cells: int
     ages: int
     caveats: list[str]
 
@@ -141,6 +146,8 @@ def read(database: sqlite3.Connection, batch: str, age: str) -> Fleet:
         dtype=object,
     )
     of = of.astype({"id": int, "mean_error_percent": float, "rmse_V": float}).set_index("id")
+    gone, copies = _twins(database)
+    of = of.drop(index=gone)
     of["age"], left_out = ages.read(age, list(of["age"]))
     of["batch"] = [None if pd.isna(one) or one == "" else str(one) for one in of["batch"]]
     quantities = []
@@ -150,14 +157,69 @@ def read(database: sqlite3.Connection, batch: str, age: str) -> Fleet:
             "SELECT id, estimate, standard_error, verdict FROM parameters WHERE name = ?", (name,)
         ).fetchall()
         table = pd.DataFrame(rows, columns=["id", "value", "error", "verdict"]).set_index("id")
+        table = table[table.index.isin(of.index)]
         known = table[(table["verdict"] == "identified") & table["value"].notna()]
         quantities.append(_quantity(name, unit, len(table), known, of))
     for name, unit in (("mean_error_percent", "%"), ("rmse_V", "V")):
         errors = of[[name]].dropna().set_axis(["value"], axis=1).assign(error=np.nan)
         quantities.append(_quantity(name, unit, len(errors), errors, of))
-    caveats = [_several_options(database), left_out, _too_few(quantities)]
+    caveats = [_several_options(database), _of_twins(gone, copies), left_out]
+    caveats.append(_too_few(quantities))
     caveats += [one.without_width() for one in quantities]
-    return Fleet(quantities, of["age"].nunique(), [one for one in caveats if one])
+    return Fleet(quantities, len(of), of["age"].nunique(), [one for one in caveats if one])
+
+
+def _twins(database: sqlite3.Connection) -> tuple[list[int], list[tuple[str, str]]]:
+    """Find results of the same files, byte for byte.
+
+    Returns
+    -------
+    gone : list of int
+        Those whose campaign has another name now, or two of which another one is here.
+    copies : list of pairs of str
+        Of the others, each that has the files of another one, and that one.
+    """
+    rows = database.execute(
+        "SELECT id, campaign, inputs FROM campaigns WHERE status = 'done' ORDER BY campaign"
+    )
+    alike: dict[tuple[str, ...], list[tuple[int, str]]] = {}
+    for number, campaign, inputs in rows:
+        if digests := tuple(sorted(one["sha256"] for one in json.loads(inputs or "[]"))):
+            alike.setdefault(digests, []).append((number, campaign))
+    gone: list[int] = []
+    copies = []
+    for of in alike.values():
+        if len(of) == 1:
+            continue
+        there: dict[str, tuple[int, str]] = {}
+        for one in of:
+            if os.path.exists(one[1]):
+                there.setdefault(os.path.realpath(one[1]), one)
+        kept = list(there.values()) or of
+        gone += [one[0] for one in of if one not in kept]
+        copies += [(campaign, kept[0][1]) for _, campaign in kept[1:]]
+    return gone, copies
+
+
+def _of_twins(gone: list[int], copies: list[tuple[str, str]]) -> str:
+    sentences = []
+    if gone:
+        sentences.append(
+            f"Left out: {_results(len(gone))} of campaigns that were moved or renamed since, or "
+            "have two names by a link; they count by one name that is there."
+        )
+    if copies:
+        copy, first = copies[0]
+        more = ", ..." if len(copies) > 1 else ""
+        sentences.append(
+            f"The files of {_results(len(copies))} are those of another one, byte for byte ({copy} "
+            f"of {first}{more}), and each counts as a cell of its own."
+        )
+    return " ".join(sentences)
+
+
+def _results(count: int) -> str:
+    return "1 result" if count == 1 else f"{count} results"
 
 
 def _several_options(database: sqlite3.Connection) -> str:
