@@ -359,12 +359,34 @@ class JointRun {
     rough_alpha_C_ = alpha_C;
   }
 
+  // A label says little of the charge, and far from it other charges seem to fit: each range of a search, and
+  // those on both sides of it, which overlap.
+  [[nodiscard]] double BestOfAllRanges(double label_C) {
+    double best_C = label_C;
+    double least_V = kInfinity;
+    for (const double factor : {1.0, 0.5, 2.0, 0.25, 4.0}) {
+      Tell("alpha", 0.2);
+      result_.setup.search_about_C = factor * label_C;
+      const JointSolution rough = RoughFit(factor * label_C, {});
+      if (rough.x.size() == 0) continue;
+      const double rmse_V = std::sqrt(std::max(rough.square, 0.0) / result_.logs.weight_sum);
+      if (rmse_V >= least_V) continue;
+      least_V = rmse_V;
+      best_C = rough.rates.alpha_C;
+    }
+    return best_C;
+  }
+
   // v_oc(A) is given over the whole charge, or held: alpha is an unknown of the fit itself, what
   // brings the logs onto that curve. Weights and axis want one that is near.
   void FindAlphaOfCurve(double alpha_C) {
     result_.setup.axis_follows_alpha = free_alpha_ = true;
     result_.alpha_source = "least-squares";
-    if (!given_.reference) result_.setup.search_about_C = alpha_C;
+    if (!given_.reference) {
+      if (source_of_start_ == "nominal-capacity" || source_of_start_ == "delivered-charge")
+        alpha_C = BestOfAllRanges(alpha_C);
+      result_.setup.search_about_C = alpha_C;
+    }
     for (int pass = 0; pass < 2; ++pass) {
       Tell("alpha", 0.2 + 0.05 * pass);
       const JointSolution rough = RoughFit(alpha_C, {});
