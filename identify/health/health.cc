@@ -434,9 +434,13 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
         std::exp(x[U::kCapacity]),
         reference.cell.alpha_C() / 3600.0));
   } else {
-    health.capacity_Ah = Logarithmic(alpha_C / 3600.0, of_capacity);
+    // What moves both ends moves what was taken between them; of flights that are compared it moves all alike.
+    const double of_kinks =
+        std::hypot(KinksInSoc(reference, x[U::kStart]), KinksInSoc(reference, soc_end)) * alpha_C /
+        std::abs(true_C);
+    health.capacity_Ah = Logarithmic(alpha_C / 3600.0, std::hypot(of_capacity, of_kinks));
     health.counted_capacity_Ah =
-        Logarithmic(alpha_C / scale / 3600.0, health.log_capacity_deviation);
+        Logarithmic(alpha_C / scale / 3600.0, std::hypot(health.log_capacity_deviation, of_kinks));
   }
 
   const double step_A = 0.5 * samples.largest_A;

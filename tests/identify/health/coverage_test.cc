@@ -282,7 +282,7 @@ TEST(HealthCoverage, IntervalsCoverTheTruthOfAPackWithAnotherCurve) {
   options.ambient_degC = 25.0;
   const HealthReport report = AssessHealth(LoadCell("gifi-600mAh-1"), logs, options);
   ASSERT_EQ(report.flights.size(), truths.size());
-  int start = 0, end = 0, capacity = 0;
+  int start = 0, end = 0, capacity = 0, counted = 0;
   for (std::size_t k = 0; k < truths.size(); ++k) {
     const FlightHealth& f = report.flights[k];
     const auto holds = [](const WithInterval& value, double truth) {
@@ -291,11 +291,20 @@ TEST(HealthCoverage, IntervalsCoverTheTruthOfAPackWithAnotherCurve) {
     start += holds(f.soc_start, truths[k].start_soc);
     end += holds(f.soc_end, truths[k].end_soc);
     capacity += holds(f.capacity_Ah, truths[k].capacity_Ah);
+    counted += holds(f.counted_capacity_Ah, truths[k].capacity_Ah / truths[k].scale);
+    // 10 mV on a slope of at most 1 V move each end by 0.01, and what was taken between them by 0.014 of at most 0.7.
+    EXPECT_GT(std::log(f.counted_capacity_Ah.high / f.counted_capacity_Ah.low), 2.0 * 1.96 * 0.02);
   }
-  std::printf("start %d, end %d, capacity %d of %d\n", start, end, capacity, kFlights);
+  std::printf("start %d, end %d, capacity %d, as counted %d of %d\n",
+              start,
+              end,
+              capacity,
+              counted,
+              kFlights);
   EXPECT_GE(start, kLeast);
   EXPECT_GE(end, kLeast);
   EXPECT_GE(capacity, kLeast);
+  EXPECT_GE(counted, kLeast);
 }
 
 // A flight that says nothing was flown all the same: the change per flight counts it.
