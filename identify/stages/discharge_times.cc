@@ -191,6 +191,59 @@ Estimate FitExact(const std::vector<DischargeTime>& discharges,
   return estimate;
 }
 
+// What a second of lag adds to alpha.
+double AlphaPerLag(const std::vector<DischargeTime>& discharges, TimeWeighting weighting) {
+  double with_lag = 0.0, squares = 0.0;
+  for (const DischargeTime& d : discharges) {
+    const double w = TimeWeight(d, weighting);
+    with_lag += w * w / d.of_full_A();
+    squares += w * w / (d.of_full_A() * d.of_full_A());
+  }
+  return with_lag / squares;
+}
+
+double PredictedTime(DischargeForm form, double alpha_C, double beta_per_sqrt_s, double current_A) {
+  return form == DischargeForm::kExact && std::isfinite(beta_per_sqrt_s)
+             ? ExactDischargeTime(alpha_C, beta_per_sqrt_s, current_A)
+             : SteadyDischargeTime(alpha_C, beta_per_sqrt_s, current_A);
+}
+
+// alpha at a beta that is known.
+Estimate FitAlphaAt(double beta_per_sqrt_s,
+                    const std::vector<DischargeTime>& discharges,
+                    const DischargeTimesOptions& options) {
+  Estimate estimate;
+  estimate.lag_s = estimate.unconstrained_lag_s = SteadyLag(beta_per_sqrt_s);
+  estimate.lag_standard_error_s = 0.0;
+  estimate.alpha_C = 0.0;
+  double squares = 0.0, of_slope = 0.0;
+  // The steady form is linear in alpha, and the exact one nearly so.
+  constexpr int kSteps = 6;
+  for (int step = 0; step < kSteps; ++step) {
+    double with_error = 0.0;
+    squares = of_slope = 0.0;
+    for (const DischargeTime& d : discharges) {
+      const double w = TimeWeight(d, options.weighting);
+      const bool exact =
+          step > 0 && options.form == DischargeForm::kExact && std::isfinite(beta_per_sqrt_s);
+      const Time at =
+          exact
+              ? ExactTime(estimate.alpha_C, estimate.lag_s, d.of_full_A())
+              : Time{estimate.alpha_C / d.of_full_A() - estimate.lag_s, -1.0, 1.0 / d.of_full_A()};
+      const double error = w * (d.time_s - at.time_s);
+      const double slope = w * at.per_alpha_s_per_C;
+      with_error += slope * error;
+      of_slope += slope * slope;
+      squares += error * error;
+    }
+    estimate.alpha_C += with_error / of_slope;
+  }
+  if (discharges.size() > 1)
+    estimate.alpha_standard_error_C =
+        std::sqrt(squares / static_cast<double>(discharges.size() - 1) / of_slope);
+  return estimate;
+}
+
 // Mean charge of the discharges, as from full, at each different current, by rising current.
 std::vector<std::pair<double, double>> ChargeByCurrent(
     const std::vector<DischargeTime>& discharges) {
@@ -221,7 +274,8 @@ int CountDifferentCurrents(const std::vector<DischargeTime>& discharges) {
 
 DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& discharges,
                                        const DischargeTimesOptions& options,
-                                       std::optional<double> given_alpha_C) {
+                                       std::optional<double> given_alpha_C,
+                                       std::optional<double> given_beta_per_sqrt_s) {
   for (const auto& d : discharges) {
     Require(d.current_A > 0.0 && d.time_s > 0.0 && d.initial_soc > 0.0 && d.weight > 0.0,
             "current, time, state of charge and weight above 0",
@@ -232,23 +286,46 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
           "at least two different currents, or one and alpha",
           {{"currents", static_cast<double>(groups.size())}});
 
-  Estimate estimate = FitSteady(discharges, options.weighting, given_alpha_C);
-  if (options.form == DischargeForm::kExact) {
-    estimate = FitExact(discharges, options.weighting, given_alpha_C, estimate);
+  Estimate estimate;
+  if (given_beta_per_sqrt_s) {
+    estimate = FitAlphaAt(*given_beta_per_sqrt_s, discharges, options);
+    if (given_alpha_C) {
+      estimate.alpha_C = *given_alpha_C;
+      estimate.alpha_standard_error_C = 0.0;
+    }
+  } else {
+    estimate = FitSteady(discharges, options.weighting, given_alpha_C);
+    if (options.form == DischargeForm::kExact)
+      estimate = FitExact(discharges, options.weighting, given_alpha_C, estimate);
+    // At the bound of beta any lag from there to none may be the true one, and alpha follows it.
+    const double least_lag = SteadyLag(kLargestBeta);
+    if (!given_alpha_C && estimate.unconstrained_lag_s < least_lag) {
+      const double of_lag_C =
+          AlphaPerLag(discharges, options.weighting) * least_lag / std::sqrt(3.0);
+      estimate.alpha_standard_error_C = std::hypot(estimate.alpha_standard_error_C, of_lag_C);
+    }
   }
 
   DischargeTimesResult result;
+  const int unknowns = (given_alpha_C ? 0 : 1) + (given_beta_per_sqrt_s ? 0 : 1);
+  result.degrees_of_freedom = static_cast<int>(discharges.size()) - unknowns;
   result.alpha_C = estimate.alpha_C;
-  result.beta_per_sqrt_s = std::min(BetaOfSteadyLag(estimate.lag_s), kLargestBeta);
+  result.beta_per_sqrt_s =
+      given_beta_per_sqrt_s.value_or(std::min(BetaOfSteadyLag(estimate.lag_s), kLargestBeta));
   result.alpha_standard_error_C = estimate.alpha_standard_error_C;
   // beta = pi/sqrt(3 c), so |d beta/d c| = beta/(2 c).
   result.beta_standard_error_per_sqrt_s =
-      estimate.lag_standard_error_s * result.beta_per_sqrt_s / (2.0 * estimate.lag_s);
+      given_beta_per_sqrt_s
+          ? 0.0
+          : estimate.lag_standard_error_s * result.beta_per_sqrt_s / (2.0 * estimate.lag_s);
 
   const bool charge_falls = groups.size() < 2 ? estimate.unconstrained_lag_s > 0.0
                                               : groups.back().second < groups.front().second &&
                                                     estimate.unconstrained_lag_s > 0.0;
-  if (!charge_falls) {
+  if (given_beta_per_sqrt_s) {
+    result.reason =
+        std::isfinite(*given_beta_per_sqrt_s) ? "beta was given" : "there is no diffusion";
+  } else if (!charge_falls) {
     result.reason = fmt::format(
         "the delivered charge does not fall with the current ({:.4g} C at {:.4g} A, {:.4g} C at "
         "{:.4g} A)",
@@ -264,24 +341,22 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
   result.identifiable = result.reason.empty();
 
   // One-sided 95 % bound: the lag is at most its estimate plus t standard errors.
-  const auto freedom = static_cast<double>(discharges.size()) - (given_alpha_C ? 1.0 : 2.0);
-  if (freedom > 0 && std::isfinite(estimate.lag_standard_error_s)) {
+  const double freedom = result.degrees_of_freedom;
+  if (!given_beta_per_sqrt_s && freedom > 0 && std::isfinite(estimate.lag_standard_error_s)) {
     const double t = StudentQuantile(freedom, 0.95);
     const double largest_lag =
         std::max(estimate.unconstrained_lag_s, 0.0) + t * estimate.lag_standard_error_s;
     result.beta_lower_bound_per_sqrt_s = std::min(BetaOfSteadyLag(largest_lag), kLargestBeta);
   }
   result.beta_start_per_sqrt_s =
-      result.identifiable
-          ? result.beta_per_sqrt_s
+      result.identifiable || given_beta_per_sqrt_s
+          ? std::min(result.beta_per_sqrt_s, kLargestBeta)
           : std::clamp(kTypicalBeta, result.beta_lower_bound_per_sqrt_s, kLargestBeta);
 
   ErrorAccumulator errors;
   for (const auto& d : discharges) {
     const double predicted_s =
-        options.form == DischargeForm::kExact
-            ? ExactDischargeTime(result.alpha_C, result.beta_per_sqrt_s, d.of_full_A())
-            : SteadyDischargeTime(result.alpha_C, result.beta_per_sqrt_s, d.of_full_A());
+        PredictedTime(options.form, result.alpha_C, result.beta_per_sqrt_s, d.of_full_A());
     errors.Add(d.time_s, predicted_s);
     result.rows.push_back({d.file,
                            d.current_A,

@@ -80,6 +80,7 @@ struct DischargeTimesResult {
   /// NaN where there are as many unknowns as times.
   double alpha_standard_error_C = std::numeric_limits<double>::quiet_NaN();
   double beta_standard_error_per_sqrt_s = std::numeric_limits<double>::quiet_NaN();
+  int degrees_of_freedom = 0;  ///< times more than unknowns
   bool identifiable = false;
   std::string reason;  ///< why beta is not identifiable; empty where it is
   /// 95 %: beta is at least this. 0 where the times imply none.
@@ -106,9 +107,11 @@ inline constexpr double kCurrentTolerance = 0.02;
 [[nodiscard]] int CountDifferentCurrents(const std::vector<DischargeTime>& discharges);
 
 /// At least two different currents (PreconditionError otherwise), or one where alpha is given.
+/// A beta that is given is held; infinity: there is no diffusion.
 [[nodiscard]] DischargeTimesResult FitDischargeTimes(
     const std::vector<DischargeTime>& discharges,
     const DischargeTimesOptions& options = {},
-    std::optional<double> given_alpha_C = std::nullopt);
+    std::optional<double> given_alpha_C = std::nullopt,
+    std::optional<double> given_beta_per_sqrt_s = std::nullopt);
 
 }  // namespace lipoid

@@ -17,6 +17,7 @@
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -166,12 +167,14 @@ class StagedRun {
   void FindAlphaAndBeta() {
     const int currents = CountDifferentCurrents(discharges_);
     if (currents >= (given_.alpha_C ? 1 : 2)) {
+      const std::optional<double> given_beta =
+          options_.pulses.diffusion ? given_.parameters.Fixed("beta") : std::optional(kInfinity);
       result_.discharge_times =
-          FitDischargeTimes(discharges_, options_.discharge_times, given_.alpha_C);
+          FitDischargeTimes(discharges_, options_.discharge_times, given_.alpha_C, given_beta);
       beta_start_ = result_.discharge_times->beta_start_per_sqrt_s;
       result_.alpha_C = result_.discharge_times->alpha_C;
       result_.alpha_source = given_.alpha_C ? "given" : "discharge-times";
-      if (!result_.discharge_times->identifiable) {
+      if (!given_beta && !result_.discharge_times->identifiable) {
         result_.done_instead.push_back(
             fmt::format("beta is not identifiable from the discharge times: {}; stage 3 starts at "
                         "{:.3g} s^-1/2",

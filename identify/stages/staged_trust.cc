@@ -29,7 +29,6 @@ TrustReport AssessStaged(const VoltageSweep& sweep,
                        LeftOfFastModes(fit.solution, setup, 1.0, question));
 
   if (times) {
-    constexpr double kUnknowns = 2.0;  // alpha and the lag of (4.53)
     // What the law leaves of the times is no noise then, and does not average out over them.
     const double of_law_C =
         times->LeaveTheLaw() ? 0.01 * times->errors.mean_error_percent * times->alpha_C : 0.0;
@@ -37,7 +36,7 @@ TrustReport AssessStaged(const VoltageSweep& sweep,
                                           "C",
                                           times->alpha_C,
                                           std::hypot(times->alpha_standard_error_C, of_law_C),
-                                          static_cast<double>(times->rows.size()) - kUnknowns);
+                                          times->degrees_of_freedom);
     report.quantities.insert(report.quantities.begin(), std::move(alpha));
     const Eigen::Index size = report.covariance.rows();
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size + 1, size + 1);

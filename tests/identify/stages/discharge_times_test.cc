@@ -7,6 +7,7 @@
 
 #include "model/battery/discharge_time.h"
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -253,6 +254,56 @@ TEST(DischargeTimes, OfARisingChargeStandAtTheBoundOfBeta) {
       denominator += 1.0 / (d.current_A * d.current_A);
     }
     EXPECT_NEAR(fit.alpha_C, numerator / denominator, 1e-6 * fit.alpha_C);
+  }
+}
+
+// beta of the truth lies beyond its bound: no lag at all, where the fit holds one of 3.29 s.
+TEST(DischargeTimes, AtTheBoundAlphaIsAsUncertainAsTheLag) {
+  constexpr double kTwoSided95 = 1.96;
+  for (const auto form : {DischargeForm::kSteady, DischargeForm::kExact}) {
+    std::vector<DischargeTime> times;
+    for (const double current_A : {3.6, 7.2, 10.8})
+      times.push_back(
+          {.file = "cc.csv", .current_A = current_A, .time_s = kLineAlpha_C / current_A});
+    const auto result = FitDischargeTimes(times, {.form = form});
+    EXPECT_FALSE(result.identifiable);
+    EXPECT_GT(result.alpha_C - kLineAlpha_C, 10.0);
+    EXPECT_GT(kTwoSided95 * result.alpha_standard_error_C, result.alpha_C - kLineAlpha_C);
+    EXPECT_LT(kTwoSided95 * result.alpha_standard_error_C, 3.0 * (result.alpha_C - kLineAlpha_C));
+    // Who says that there is no diffusion has the mean charge.
+    const auto without = FitDischargeTimes(times, {.form = form}, {}, kInfinity);
+    EXPECT_NEAR(without.alpha_C, kLineAlpha_C, 1e-9 * kLineAlpha_C);
+    EXPECT_LT(without.alpha_standard_error_C, 1e-9 * kLineAlpha_C);
+    EXPECT_EQ(without.degrees_of_freedom, 2);
+    EXPECT_EQ(without.reason, "there is no diffusion");
+    EXPECT_NEAR(without.rows[2].predicted_s, times[2].time_s, 1e-9 * times[2].time_s);
+  }
+}
+
+// Times of beta = 0.2 with noise, and that beta given: alpha by hand, and its error from the scatter.
+TEST(DischargeTimes, WithBetaGivenFindAlpha) {
+  for (const auto form : {DischargeForm::kSteady, DischargeForm::kExact}) {
+    auto times = Times(kCurrents_A, kLineAlpha_C, kLineBeta, form);
+    const std::vector<double> noise_s{3.0, -2.0, 1.0, 2.5};
+    double with_noise = 0.0, squares = 0.0;
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      times[k].time_s += noise_s[k];
+      with_noise += noise_s[k] / kCurrents_A[k];
+      squares += 1.0 / (kCurrents_A[k] * kCurrents_A[k]);
+    }
+    const double off_C = with_noise / squares;
+    double left_s2 = 0.0;
+    for (std::size_t k = 0; k < times.size(); ++k)
+      left_s2 += std::pow(noise_s[k] - off_C / kCurrents_A[k], 2);
+    const auto result = FitDischargeTimes(times, {.form = form}, {}, kLineBeta);
+    // The slope of the exact time in alpha differs from 1/I by some tenths of a per cent.
+    EXPECT_NEAR(result.alpha_C, kLineAlpha_C + off_C, 0.01 * off_C);
+    EXPECT_NEAR(result.alpha_standard_error_C, std::sqrt(left_s2 / 3.0 / squares), 0.01);
+    EXPECT_DOUBLE_EQ(result.beta_per_sqrt_s, kLineBeta);
+    EXPECT_DOUBLE_EQ(result.beta_start_per_sqrt_s, kLineBeta);
+    const auto both = FitDischargeTimes(times, {.form = form}, kLineAlpha_C, kLineBeta);
+    EXPECT_EQ(both.alpha_C, kLineAlpha_C);
+    EXPECT_NEAR(both.rows[1].measured_s - both.rows[1].predicted_s, noise_s[1], 1e-6);
   }
 }
 

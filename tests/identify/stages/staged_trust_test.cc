@@ -130,7 +130,7 @@ TEST(StagedTrust, TakesAlphaFromTheDischargeTimes) {
   DischargeTimesResult times;
   times.alpha_C = 1350.0;
   times.alpha_standard_error_C = 5.0;
-  times.rows.resize(4);
+  times.degrees_of_freedom = 2;
   const auto trust = AssessStaged(sweep, fit, times);
   const auto& alpha = Of(trust, "alpha");
   EXPECT_EQ(&alpha, &trust.quantities[0]);
@@ -138,7 +138,7 @@ TEST(StagedTrust, TakesAlphaFromTheDischargeTimes) {
   EXPECT_NEAR(alpha.high, 1350.0 + 5.0 * kStudent, 1e-3);
   EXPECT_EQ(alpha.verdict, Verdict::kIdentified);
   EXPECT_EQ(trust.covariance.rows(), static_cast<Eigen::Index>(trust.quantities.size()));
-  times.rows.resize(2);  // as many unknowns as times
+  times.degrees_of_freedom = 0;  // as many unknowns as times
   EXPECT_EQ(Of(AssessStaged(sweep, fit, times), "alpha").verdict, Verdict::kWeak);
 }
 
