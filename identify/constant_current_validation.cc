@@ -13,6 +13,16 @@ DischargeTime DischargeOf(const LoadedLog& log, double cutoff_V) {
   return {log.entry.file, found.current_A, found.time_s(), log.entry.initial_soc};
 }
 
+bool ComesBack(const Record& record, double cutoff_V) {
+  constexpr double kSameLoad = 0.9;
+  const Discharge found = FindDischarge(record, cutoff_V);
+  for (std::size_t k = found.last + 1; k < record.size(); ++k) {
+    if (record.current_A[k] < kSameLoad * found.current_A) return false;
+    if (record.voltage_V[k] > cutoff_V + found.nearness_V()) return true;
+  }
+  return false;
+}
+
 ConstantCurrentErrors ErrorsOf(const Cell& one,
                                const LoadedLog& log,
                                const DischargeTime& measured) {
@@ -31,11 +41,15 @@ ConstantCurrentErrors ErrorsOf(const Cell& one,
                                         log.entry.initial_soc,
                                         kLongestDischarge * measured.time_s,
                                         surroundings);
-  if (!predicted_s) return errors;
-  ErrorAccumulator time;
-  time.Add(measured.time_s, *predicted_s);
-  errors.predicted_s = *predicted_s;
-  errors.error_percent = time.Result().mean_error_percent;
+  if (predicted_s) {
+    ErrorAccumulator time;
+    time.Add(measured.time_s, *predicted_s);
+    errors.predicted_s = *predicted_s;
+    errors.error_percent = time.Result().mean_error_percent;
+  }
+  constexpr double kOff_percent = 1.0;
+  if (!(errors.error_percent <= kOff_percent))
+    errors.comes_back = ComesBack(log.log.record, one.cutoff_V);
   return errors;
 }
 

@@ -24,6 +24,9 @@ struct ConstantCurrentErrors {
   /// cut-off (TimeToCutoff); NaN where it does not within kLongestDischarge measured_s.
   double predicted_s = std::numeric_limits<double>::quiet_NaN();
   double error_percent = std::numeric_limits<double>::quiet_NaN();  ///< of the time
+  /// Under the same load the voltage rises above the cut-off again, as that of a cold cell which warms. How long until
+  /// its first fall, or whether it gets there at all, is then a question of millivolts: looked for where the time is off.
+  bool comes_back = false;
 };
 
 /// Of each constant-current log of the campaign, in its order. `measured` are their discharges in

@@ -40,6 +40,7 @@ void CountTimes(const std::vector<ConstantCurrentErrors>& times, Judgement& judg
                                             : 100.0 * kLongestDischarge;
   };
   for (const auto& log : times) {
+    if (log.comes_back) continue;  // its voltages count
     if (worst == nullptr || error(log) > error(*worst)) worst = &log;
   }
   if (worst == nullptr) return;

@@ -12,6 +12,10 @@ namespace {
 
 // Without --branches the data say how many there are, and none has a name.
 void CheckParameters(const GivenParameters& given, int branches, bool diffusion) {
+  if (!given.start.empty()) {
+    throw OptionError(fmt::format("--start {}: the joint method searches a grid and needs no start",
+                                  given.start.begin()->first));
+  }
   if (branches < 0 && given.NamesABranch()) {
     throw OptionError(
         "--fix and --bounds of a branch need --branches: without it the joint method chooses how "
@@ -28,10 +32,6 @@ void CheckParameters(const GivenParameters& given, int branches, bool diffusion)
   for (const auto& [name, ends] : given.bounds) {
     if (name == "beta" || name.starts_with("tau_")) continue;
     throw OptionError(fmt::format("--bounds {}: the joint method bounds beta and tau_j", name));
-  }
-  if (!given.start.empty()) {
-    throw OptionError(fmt::format("--start {}: the joint method searches a grid and needs no start",
-                                  given.start.begin()->first));
   }
 }
 

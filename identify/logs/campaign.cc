@@ -69,9 +69,12 @@ void ReadColumns(const TomlReader& reader, ReadOptions& read) {
       reader.Problem(
           reader.At(key.source()),
           fmt::format("columns: expected one of {}, found '{}'", List(kColumns), key.str()));
+    } else if (const auto number = value.value_exact<std::int64_t>(); number && *number > 0) {
+      read.columns[std::string(key.str())] = std::to_string(*number);
     } else if (!value.is_string() || value.as_string()->get().empty()) {
-      reader.Expected(
-          value, fmt::format("columns.{}", key.str()), "the name of a column in quotes");
+      reader.Expected(value,
+                      fmt::format("columns.{}", key.str()),
+                      "the name of a column in quotes, or its number from 1");
     } else {
       read.columns[std::string(key.str())] = value.as_string()->get();
     }

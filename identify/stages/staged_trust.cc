@@ -29,7 +29,7 @@ TrustReport AssessStaged(const VoltageSweep& sweep,
                        LeftOfFastModes(fit.solution, setup, 1.0, question));
 
   if (times) {
-    // What the law leaves of the times is no noise then, and does not average out over them.
+    // What the law (4.53) leaves of the times is no noise then, and does not average out over them.
     const double of_law_C =
         times->LeaveTheLaw() ? 0.01 * times->errors.mean_error_percent * times->alpha_C : 0.0;
     QuantityTrust alpha = TrustOfEstimate("alpha",

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "identify/fit_quality.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
@@ -96,6 +97,30 @@ TEST(ConstantCurrentValidation, ACellThatNeverEndsHasNoTime) {
   EXPECT_TRUE(std::isnan(errors[0].predicted_s));
   EXPECT_TRUE(std::isnan(errors[0].error_percent));
   EXPECT_TRUE(std::isfinite(errors[0].voltage.all.rmse));
+}
+
+// A cold cell dips to its cut-off and recovers while it warms: whether a prediction that is off by millivolts gets
+// there, too, says nothing of it.
+TEST(ConstantCurrentValidation, ADipThatComesBackIsNoEnd) {
+  LoadedLog log = Discharged(Truth(), 3.0);
+  Cell endless = Truth();
+  endless.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {4.0, 4.0});
+  const auto empty = ValidateConstantCurrents(endless, {log});
+  EXPECT_FALSE(empty[0].comes_back);
+  EXPECT_EQ(JudgeFit(endless, {}, empty, 0.0, 0.0).grade, FitGrade::kPoor);
+  Record& record = log.log.record;
+  std::vector<double> current_A = record.current_A.ToVector();
+  std::vector<double> voltage_V = record.voltage_V.ToVector();
+  for (std::size_t k = record.size() - 10; k < record.size(); ++k) {
+    current_A[k] = 3.0;
+    voltage_V[k] = endless.cutoff_V + 0.1;
+  }
+  record.current_A = std::move(current_A);
+  record.voltage_V = std::move(voltage_V);
+  const auto dips = ValidateConstantCurrents(endless, {log});
+  EXPECT_TRUE(dips[0].comes_back);
+  for (const std::string& reason : JudgeFit(endless, {}, dips, 0.0, 0.0).reasons)
+    EXPECT_EQ(reason.find("never reaches the cut-off"), std::string::npos) << reason;
 }
 
 TEST(ConstantCurrentValidation, TakesOnlyLogsOfItsKindAndTimesThatAreKnown) {

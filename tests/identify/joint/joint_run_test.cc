@@ -398,6 +398,8 @@ TEST(JointRun, RefusesWhatItCannotUse) {
       "--fix c_1: the joint method knows branches by their time constants; fix tau_1 instead");
   EXPECT_EQ(OptionErrorOf({.start = {{"beta", 0.3}}}),
             "--start beta: the joint method searches a grid and needs no start");
+  EXPECT_EQ(OptionErrorOf({.start = {{"c_1", 1500.0}}}, -1),
+            "--start c_1: the joint method searches a grid and needs no start");
   EXPECT_EQ(OptionErrorOf({.bounds = {{"r_s", {0.0, 1.0}}}}),
             "--bounds r_s: the joint method bounds beta and tau_j");
   EXPECT_EQ(OptionErrorOf({.fixed = {{"tau_1", 10.0}}}, -1),

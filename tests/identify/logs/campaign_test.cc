@@ -31,7 +31,7 @@ file = "cc_1c.csv"
 kind = "low-rate"
 file = "../slow/c20.csv"
 hold = "forward"
-columns = { time_s = "Zeit", voltage_V = "U [V]" }
+columns = { time_s = "Zeit", voltage_V = "U [V]", current_A = 7 }
 units = "min, mA, mV"
 current_sign = "discharge-negative"
 steps = [3, 4]
@@ -68,7 +68,8 @@ void ExpectEveryKey(const Campaign& campaign) {
   EXPECT_EQ(slow.path, "slow/c20.csv");
   EXPECT_EQ(slow.read.hold, Hold::kForward);
   EXPECT_EQ(slow.read.columns,
-            (std::map<std::string, std::string>{{"time_s", "Zeit"}, {"voltage_V", "U [V]"}}));
+            (std::map<std::string, std::string>{
+                {"time_s", "Zeit"}, {"voltage_V", "U [V]"}, {"current_A", "7"}}));
   EXPECT_EQ(slow.read.units, (std::vector<std::string>{"min", "mA", "mV"}));
   EXPECT_EQ(slow.read.current_sign, "discharge-negative");
   EXPECT_EQ(slow.read.steps, (std::vector{3, 4}));
@@ -247,8 +248,14 @@ INSTANTIATE_TEST_SUITE_P(
         BadLine{"columns = { voltage = 'x' }",
                 "4:13: error: columns: expected one of time_s, current_A, voltage_V, "
                 "temperature_degC, found 'voltage'"},
-        BadLine{"columns = { voltage_V = 2 }",
-                "4:25: error: columns.voltage_V: expected the name of a column in quotes, found 2"},
+        BadLine{
+            "columns = { voltage_V = 0 }",
+            "4:25: error: columns.voltage_V: expected the name of a column in quotes, or its number from 1, found "
+            "0"},
+        BadLine{
+            "columns = { voltage_V = 2.5 }",
+            "4:25: error: columns.voltage_V: expected the name of a column in quotes, or its number from 1, found "
+            "2.5"},
         BadLine{"units = 's,A'",
                 "4:9: error: units: expected the units of time, current and voltage, [\"s\", "
                 "\"A\", \"V\"] (s, ms, min or h; A or mA; V or mV), found 's,A'"},
