@@ -453,7 +453,9 @@ Identification Identify(const Campaign& campaign,
   }
   found.log_notes = NotesOnLogs(logs);
   const auto of_low_rate = found.joint ? LowRateCurve(found.joint->staged, logs) : std::nullopt;
-  const OpenCircuitVoltage& curve = of_low_rate ? *of_low_rate : found.cell.open_circuit_voltage;
+  Cell one = found.cell;
+  one.series = one.parallel = 1;
+  if (of_low_rate) one.open_circuit_voltage = *of_low_rate;
   for (const LoadedLog& log : logs) {
     if (found.staged && log.entry.kind == LogKind::kLowRateCharge)
       found.log_notes.push_back(fmt::format(
@@ -462,7 +464,7 @@ Identification Identify(const Campaign& campaign,
   std::vector<StartDoubt> starts;
   for (const LoadedLog& log : logs) {
     if (log.entry.kind == LogKind::kFlight) continue;  // starts anywhere
-    auto doubt = DoubtOfStart(curve, log.log.record, log.entry.initial_soc);
+    auto doubt = DoubtOfStart(one, log.log.record, log.entry.initial_soc);
     if (!doubt) continue;
     doubt->file = log.entry.file;
     starts.push_back(std::move(*doubt));

@@ -10,6 +10,7 @@
 #include "identify/logs/segments.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/prediction.h"
+#include "model/battery/rest_voltage.h"
 #include "model/core/special_values.h"
 
 namespace lipoid {
@@ -85,9 +86,7 @@ std::string Sentence(const StartDoubt& doubt) {
 
 }  // namespace
 
-std::optional<StartDoubt> DoubtOfStart(const OpenCircuitVoltage& curve,
-                                       const Record& record,
-                                       double initial_soc) {
+std::optional<StartDoubt> DoubtOfStart(const Cell& one, const Record& record, double initial_soc) {
   constexpr double kSoc = 0.03;
   constexpr double kVoltage_V = 0.02;
   if (record.size() < 2 || record.voltage_V.empty()) return std::nullopt;
@@ -96,13 +95,17 @@ std::optional<StartDoubt> DoubtOfStart(const OpenCircuitVoltage& curve,
   while (rows < record.size() && std::abs(record.current_A[rows]) <= rest_A) ++rows;
   if (rows == 0 || rows == record.size()) return std::nullopt;
   const double rest_V = record.voltage_V[rows - 1];
-  const double full_V = curve(1.0);
+  const Surroundings surroundings{
+      .measured_degC = record.temperature_degC, .ambient_degC = {}, .initial_degC = {}};
+  const double full_V = VoltageAtRest(one, 1.0, surroundings);
   // Cells that are charged alike rest within some hundredths of a volt of one another.
   constexpr double kBeyondFull_V = 0.04;
   if (initial_soc == 1.0 && rest_V > full_V + kBeyondFull_V)
     return StartDoubt{record.file, rest_V, kInfinity, initial_soc, full_V};
-  const double soc = std::round(1e3 * curve.SocAtVoltage(rest_V)) / 1e3 + 0.0;  // no -0
-  if (std::abs(soc - initial_soc) <= kSoc || std::abs(curve(initial_soc) - rest_V) <= kVoltage_V)
+  const double soc =
+      std::round(1e3 * NearestSocAtRest(one, rest_V, surroundings)) / 1e3 + 0.0;  // no -0
+  if (std::abs(soc - initial_soc) <= kSoc ||
+      std::abs(VoltageAtRest(one, initial_soc, surroundings) - rest_V) <= kVoltage_V)
     return std::nullopt;
   return StartDoubt{record.file, rest_V, soc, initial_soc, full_V};
 }
@@ -128,13 +131,6 @@ std::string DoubtAboutLoadedStart(const Cell& one, const Record& record, double 
       rest_V);
 }
 
-std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
-                            const Record& record,
-                            double initial_soc) {
-  const auto doubt = DoubtOfStart(curve, record, initial_soc);
-  return doubt ? Sentence(*doubt) : "";
-}
-
 std::string DoubtAboutStart(const Cell& pack, const Record& record, double initial_soc) {
   if (record.voltage_V.empty()) return "";
   if (pack.series > 1 || pack.parallel > 1) {
@@ -144,8 +140,8 @@ std::string DoubtAboutStart(const Cell& pack, const Record& record, double initi
     one.series = one.parallel = 1;
     return DoubtAboutStart(one, of_one, initial_soc);
   }
-  const std::string at_rest = DoubtAboutStart(pack.open_circuit_voltage, record, initial_soc);
-  return at_rest.empty() ? DoubtAboutLoadedStart(pack, record, initial_soc) : at_rest;
+  const auto at_rest = DoubtOfStart(pack, record, initial_soc);
+  return at_rest ? Sentence(*at_rest) : DoubtAboutLoadedStart(pack, record, initial_soc);
 }
 
 std::string DoubtsAboutStarts(std::vector<StartDoubt> doubts, std::string_view of_others) {

@@ -72,23 +72,19 @@ class Validation {
 /// campaign gives it.
 [[nodiscard]] LogErrors Validate(const Cell& cell, const LoadedLog& log);
 
-/// A log that begins with a rest shows where it starts. Where the curve, that of the cell, puts that
-/// voltage elsewhere than `initial_soc`, one sentence says both; "" where it agrees within 0.03 of
-/// the charge and 20 mV, or cannot be seen. The record is that of one cell.
-[[nodiscard]] std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
-                                          const Record& record,
-                                          double initial_soc);
-
 /// A log whose start is doubted.
 struct StartDoubt {
   std::string file;
   double rest_V = 0.0;
-  double soc = 0.0;     ///< of the curve at that voltage; infinite: far above that of a full cell
+  double soc = 0.0;     ///< of the cell at that voltage; infinite: far above that of a full cell
   double given = 1.0;   ///< the initial_soc
-  double full_V = 0.0;  ///< of the curve at A = 1
+  double full_V = 0.0;  ///< of the full cell
 };
 
-[[nodiscard]] std::optional<StartDoubt> DoubtOfStart(const OpenCircuitVoltage& curve,
+/// A log that begins with a rest shows where it starts. Doubted where the cell rests with that voltage at another
+/// state of charge than `initial_soc`, as a prediction begins (rest_voltage.h): none where it agrees within 0.03 of
+/// the charge or 20 mV, or cannot be seen. The record is that of one cell.
+[[nodiscard]] std::optional<StartDoubt> DoubtOfStart(const Cell& one,
                                                      const Record& record,
                                                      double initial_soc);
 
@@ -98,7 +94,7 @@ struct StartDoubt {
                                                 const Record& record,
                                                 double initial_soc);
 
-/// Either of the two, of a pack and its own record; "" without a voltage.
+/// Either of the two, of a pack and its own record, as a sentence; "" without a voltage.
 [[nodiscard]] std::string DoubtAboutStart(const Cell& pack,
                                           const Record& record,
                                           double initial_soc);

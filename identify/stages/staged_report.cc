@@ -98,8 +98,8 @@ Json SweepParametersToJson(const SweepParameters& p, bool diffusion) {
     const double r = p.resistance_Ohm[j];
     const double tau = p.time_constant_s[j];
     parameters[fmt::format("r_{}", j + 1)] = r;
-    constexpr double kNothing = 1e-9;  // of r_s: an interior point never comes to 0
-    const bool any = r > kNothing * p.series_resistance_Ohm;
+    constexpr double kVanished = 1e-9;  // of r_s: an interior point never comes to 0
+    const bool any = r > kVanished * p.series_resistance_Ohm;
     parameters[fmt::format("c_{}", j + 1)] = any ? Json(tau / r) : Json(nullptr);
     parameters[fmt::format("tau_{}", j + 1)] = tau;
   }

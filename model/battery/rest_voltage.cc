@@ -58,6 +58,10 @@ class RestVoltage {
 
 }  // namespace
 
+double VoltageAtRest(const Cell& cell, double soc, const Surroundings& surroundings) {
+  return cell.series * RestVoltage(cell, surroundings)(soc);
+}
+
 double NearestSocAtRest(const Cell& cell, double voltage_V, const Surroundings& surroundings) {
   return RestVoltage(cell, surroundings).Soc(voltage_V / cell.series);
 }

@@ -9,6 +9,11 @@
 
 namespace lipoid {
 
+/// With which the pack rests at a state of charge, as a prediction among these surroundings begins.
+[[nodiscard]] double VoltageAtRest(const Cell& cell,
+                                   double soc,
+                                   const Surroundings& surroundings = {});
+
 /// The state of charge at which the pack rests with this voltage, as a prediction among these
 /// surroundings begins: with hysteresis a rest is not on v_oc(A), with dv_oc/dT it is another one in
 /// the cold. A full cell was charged and rests higher by 2 M than one that is not quite full: a voltage

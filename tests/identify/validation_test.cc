@@ -77,25 +77,38 @@ TEST(Validation, OfALoggedCampaignIsThatOfOneCellFromItsOwnStart) {
 
 // v_oc is 3 V + A volts.
 TEST(Validation, SeesThatALogDoesNotStartWhereItIsSaidTo) {
-  const OpenCircuitVoltage curve = ChargeCounter().open_circuit_voltage;
+  const Cell cell = ChargeCounter();
   Record record;
   record.time_s = {0, 1, 2, 3};
   record.current_A = {0, 0, 2, 2};
   record.voltage_V = {3.52, 3.5, 3.4, 3.4};
-  EXPECT_EQ(DoubtAboutStart(curve, record, 1.0),
+  EXPECT_EQ(DoubtAboutStart(cell, record, 1.0),
             "rests at 3.5 V before its first load, where v_oc(A) has a state of charge of 0.5, not "
             "1; if it had rested long enough, say initial_soc 0.5");
-  EXPECT_EQ(DoubtAboutStart(curve, record, 0.5), "");
+  EXPECT_EQ(DoubtAboutStart(cell, record, 0.5), "");
   // A hundredth of the charge may be a good part of alpha (docs/joint.md, 3): three digits.
   record.voltage_V[1] = 3.4624;
-  EXPECT_EQ(DoubtOfStart(curve, record, 1.0)->soc, 0.462);
+  EXPECT_EQ(DoubtOfStart(cell, record, 1.0)->soc, 0.462);
   record.voltage_V[1] = 3.5;
-  EXPECT_EQ(DoubtAboutStart(curve, record, 0.52), "");
+  EXPECT_EQ(DoubtAboutStart(cell, record, 0.52), "");
   record.current_A[0] = record.current_A[1] = 2.0;  // no rest to be seen
-  EXPECT_EQ(DoubtAboutStart(curve, record, 1.0), "");
+  EXPECT_EQ(DoubtOfStart(cell, record, 1.0), std::nullopt);
   record.current_A = {0, 0, 0, 0};  // nothing but rest
-  EXPECT_EQ(DoubtAboutStart(curve, record, 1.0), "");
-  EXPECT_EQ(DoubtAboutStart(curve, Record{}, 1.0), "");
+  EXPECT_EQ(DoubtAboutStart(cell, record, 1.0), "");
+  EXPECT_EQ(DoubtAboutStart(cell, Record{}, 1.0), "");
+}
+
+// After a discharge this cell rests 30 mV below v_oc(A), and a prediction begins there.
+TEST(Validation, ADoubtOfAStartKnowsHysteresis) {
+  Cell cell = ChargeCounter();
+  cell.hysteresis = Cell::Hysteresis{.folds = 30.0, .soc = {}, .half_V = {0.03}};
+  Record record;
+  record.time_s = {0, 1, 2, 3};
+  record.current_A = {0, 0, 2, 2};
+  record.voltage_V = {3.47, 3.47, 3.4, 3.4};
+  EXPECT_EQ(DoubtOfStart(cell, record, 0.5), std::nullopt);
+  ASSERT_TRUE(DoubtOfStart(cell, record, 0.8).has_value());
+  EXPECT_NEAR(DoubtOfStart(cell, record, 0.8)->soc, 0.5, 1e-9);
 }
 
 // A slow discharge from 95 % took itself for a full one, and the others said nothing.
@@ -122,15 +135,16 @@ TEST(Validation, ALogThatBeginsUnderLoadFarFromItsStartIsDoubted) {
 }
 
 TEST(Validation, ARestFarAboveAFullCellDoubtsTheCurve) {
-  const auto curve = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.0, 4.16});
+  Cell cell = ChargeCounter();
+  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.0, 4.16});
   Record record;
   record.time_s = {0, 1, 2};
   record.current_A = {0, 0, 1};
   record.voltage_V = {4.19, 4.19, 4.1};
-  EXPECT_EQ(DoubtAboutStart(curve, record, 1.0), "");
+  EXPECT_EQ(DoubtAboutStart(cell, record, 1.0), "");
   record.voltage_V = {4.22, 4.22, 4.1};
   EXPECT_EQ(
-      DoubtAboutStart(curve, record, 1.0),
+      DoubtAboutStart(cell, record, 1.0),
       "rests at 4.22 V before its first load, and v_oc(A) of a full cell is 4.16 V: look whether the log "
       "that v_oc comes from started full, or say its initial_soc");
   EXPECT_TRUE(
