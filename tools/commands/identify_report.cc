@@ -43,7 +43,7 @@ std::string DischargeTimesText(const StagedResult& result) {
         "   beta  {}\n",
         PlusMinus(stage.beta_per_sqrt_s, stage.beta_standard_error_per_sqrt_s, "s^-1/2"));
   } else if (!(stage.beta_lower_bound_per_sqrt_s > 0.0)) {
-    text += fmt::format("   beta  {}\n", stage.reason);
+    text += fmt::format("   beta  not taken from the times: {}\n", stage.reason);
   } else {
     text += fmt::format("   beta  not identifiable; at least {} s^-1/2 (95 %)\n",
                         Significant(stage.beta_lower_bound_per_sqrt_s, 3));

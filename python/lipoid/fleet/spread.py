@@ -163,7 +163,7 @@ def read(database: sqlite3.Connection, batch: str, age: str) -> Fleet:
     for name, unit in (("mean_error_percent", "%"), ("rmse_V", "V")):
         errors = of[[name]].dropna().set_axis(["value"], axis=1).assign(error=np.nan)
         quantities.append(_quantity(name, unit, len(errors), errors, of))
-    caveats = [_several_options(database), _of_twins(gone, copies), left_out]
+    caveats = [_several_options(database, gone), _of_twins(gone, copies), left_out]
     caveats.append(_too_few(quantities))
     caveats += [one.without_width() for one in quantities]
     return Fleet(quantities, len(of), of["age"].nunique(), [one for one in caveats if one])
@@ -196,7 +196,8 @@ def _twins(database: sqlite3.Connection) -> tuple[list[int], list[tuple[str, str
             if os.path.exists(one[1]):
                 there.setdefault(os.path.realpath(one[1]), one)
         kept = list(there.values()) or of
-        gone += [one[0] for one in of if one not in kept]
+        names = {campaign for _, campaign in kept}
+        gone += [number for number, campaign in of if campaign not in names]
         copies += [(campaign, kept[0][1]) for _, campaign in kept[1:]]
     return gone, copies
 
@@ -222,10 +223,12 @@ def _results(count: int) -> str:
     return "1 result" if count == 1 else f"{count} results"
 
 
-def _several_options(database: sqlite3.Connection) -> str:
+def _several_options(database: sqlite3.Connection, gone: list[int]) -> str:
     found = database.execute(
         "SELECT options, count(*) FROM campaigns WHERE status = 'done' "
-        "GROUP BY options ORDER BY count(*) DESC, options"
+        "AND id NOT IN (SELECT value FROM json_each(?)) "
+        "GROUP BY options ORDER BY count(*) DESC, options",
+        (json.dumps(gone),),
     ).fetchall()
     if len(found) < 2:
         return ""
