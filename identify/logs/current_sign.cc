@@ -383,6 +383,24 @@ Flow LookAtFlow(const Look& look) {
   return flow;
 }
 
+// Whether the rise of the flow happened under one load that an edge began which says `side`: a cell that warms in the
+// cold recovers under its load. A current whose sign is lost in between would show twice its drop at once.
+bool IsRecovery(const Look& look, const Edges& edges, const Flow& flow, double side) {
+  constexpr double kAtOnce = 0.5;  // of the drop of the load
+  std::size_t first = flow.rise_from;
+  while (first > 0 && look.GoesOn(first) && !look.Changes(first)) --first;
+  const auto began = std::find_if(
+      edges.all.begin(), edges.all.end(), [&](const Edge& edge) { return edge.row == first; });
+  if (began == edges.all.end() || look.Loaded(first - 1)) return false;
+  if (began->Of(side * edges.drop_V) < kDecisive) return false;
+  const double most_V = kAtOnce * edges.drop_V * std::abs(look.load[first]);
+  for (std::size_t k = first + 1; k < flow.rise_to; ++k) {
+    if (!look.GoesOn(k) || look.Changes(k)) return false;
+    if (std::abs(look.dv_V(k)) > most_V) return false;
+  }
+  return true;
+}
+
 // A voltage that is held while the load changes ends a charge, high up, or a discharge, low down.
 // Whether one is held where the side says that it should not be; of no side, whether any is.
 bool HoldsVoltage(const Look& look, double drop_V, double side) {
@@ -503,7 +521,8 @@ SignFinding FindSignFromPhysics(const Record& record) {
       against += std::max(0.0, -says);
       if (edge.row >= flow.rise_from && edge.row < flow.rise_to) edges_in_rise += says;
     }
-    against += std::max(0.0, of_rise - std::max(0.0, edges_in_rise));
+    if (!IsRecovery(look, edges, flow, side))
+      against += std::max(0.0, of_rise - std::max(0.0, edges_in_rise));
   }
   if (against > kAgainst + (look.one_sided ? kAgainstShareOfAmount : kAgainstShare) * in_favour)
     return both_ways();

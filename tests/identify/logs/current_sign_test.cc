@@ -107,6 +107,32 @@ TEST(CurrentSign, OfAnAmountAloneIsUnclear) {
   }
 }
 
+// Of 60 mOhm in the cold, a third when it is warm: the voltage rises by 0.2 V under a load that goes on. Where the
+// current changes its direction instead, and only its amount is written, it rises as much, but at once.
+TEST(CurrentSign, ACellThatWarmsUnderItsLoadIsNoCharge) {
+  const auto log = [](bool is_charged_after) {
+    Record record;
+    for (int k = 0; k < 300; ++k) {
+      const double t_s = 5.0 * (k - 6);
+      const bool loaded = k >= 6;
+      const bool charged = is_charged_after && k >= 150;
+      const double warm = 1.0 - std::exp(-std::max(t_s, 0.0) / 300.0);
+      const double charge_C = 10.0 * std::max(0.0, t_s - (charged ? 2.0 * (t_s - 720.0) : 0.0));
+      const double resistance_Ohm = is_charged_after ? 0.06 : 0.06 * (1.0 - 0.7 * warm);
+      const double current_A = !loaded ? 0.0 : charged ? -10.0 : 10.0;
+      record.time_s.push_back(5.0 * k);
+      record.current_A.push_back(std::abs(current_A));
+      record.voltage_V.push_back(4.2 - 0.5 * charge_C / 18000.0 - resistance_Ohm * current_A);
+    }
+    return record;
+  };
+  const Record warms = log(false);
+  EXPECT_GT(warms.voltage_V[100], warms.voltage_V[6] + 0.2);
+  EXPECT_EQ(Find(warms, Written::kAsItIs), CurrentSign::kDischargePositive);
+  EXPECT_EQ(Find(warms, Written::kTurned), CurrentSign::kDischargeNegative);
+  EXPECT_EQ(Find(log(true), Written::kAsItIs), CurrentSign::kUnclear);
+}
+
 // A charge that is held at its voltage from the first row on, and, after a rest or at once, a
 // discharge; of either only the amount.
 TEST(CurrentSign, OfAChargeHeldAtItsVoltageAndADischargeIsUnclear) {
