@@ -215,6 +215,34 @@ void DropImpossibleTemperatures(Log& log) {
   temperature_degC.clear();
 }
 
+// A reading that failed in between is a hole; one from which the sensor does not come back is no temperature of the
+// cell from there on. Of a thinned log the rows are too far apart to tell.
+void DropFailedTemperatures(Log& log) {
+  Column& temperature_degC = log.record.temperature_degC;
+  if (temperature_degC.empty() || log.report.thinned) return;
+  const Column& time_s = std::as_const(log.record.time_s);
+  const FailedTemperatures failed = FindFailedTemperatures(time_s, std::as_const(temperature_degC));
+  if (failed.no_way_back) {
+    const std::size_t row = *failed.no_way_back;
+    log.report.warnings.push_back(fmt::format(
+        "temperature left out: it jumps from {:.4g} to {:.4g} degC at {:.10g} s, which no cell does, and does not come "
+        "back; what needs it goes on without",
+        std::as_const(temperature_degC)[row - 1],
+        std::as_const(temperature_degC)[row],
+        time_s[row]));
+    temperature_degC.clear();
+  } else if (!failed.rows.empty()) {
+    const std::size_t first = failed.rows.front();
+    log.report.warnings.push_back(fmt::format(
+        "{} of temperatures that no cell has, the first {:.4g} degC at {:.10g} s: there and back at once",
+        Counted(failed.rows.size(), "row"),
+        std::as_const(temperature_degC)[first],
+        time_s[first]));
+    for (const std::size_t row : failed.rows) temperature_degC[row] = kNaN;
+    SettleHoles(log.record.time_s, temperature_degC, true, log.report.warnings);
+  }
+}
+
 // What one of the two columns has at `spikes`, which no other row has.
 std::string SpikesText(const Record& record, const std::vector<std::size_t>& spikes, bool current) {
   const Column& values = current ? record.current_A : record.voltage_V;
@@ -322,6 +350,7 @@ void FinishLog(Log& log, const ReadOptions& options) {
     }
   }
   DropImpossibleTemperatures(log);
+  DropFailedTemperatures(log);
   // Many loggers write the row in which a step changes twice; a clock that is coarser than the rows
   // costs most of them.
   constexpr double kManyRepeated = 0.1;

@@ -178,4 +178,45 @@ std::vector<std::size_t> FindSpikes(const Record& record) {
   return candidates;
 }
 
+FailedTemperatures FindFailedTemperatures(std::span<const double> time_s,
+                                          std::span<const double> temperature_degC) {
+  constexpr double kJump_K = 8.0;
+  constexpr double kJump_K_per_s = 0.5;
+  constexpr double kBack_K = 3.0;
+  constexpr double kBack_K_per_s = 0.05;
+  constexpr std::size_t kFew = 5;
+  const std::size_t size = temperature_degC.size();
+  const auto jumps = [&](std::size_t k) {
+    const double jump_K = std::abs(temperature_degC[k] - temperature_degC[k - 1]);
+    return jump_K >= kJump_K && jump_K >= kJump_K_per_s * (time_s[k] - time_s[k - 1]);
+  };
+  FailedTemperatures failed;
+  if (size <= 2 * kFew) return failed;  // which of them would be the odd ones?
+  const auto add = [&](std::size_t first, std::size_t next) {
+    for (std::size_t k = first; k < next; ++k) failed.rows.push_back(k);
+  };
+  for (std::size_t k = 1; k < size; ++k) {
+    if (!jumps(k)) continue;
+    std::size_t back = k + 1;
+    const auto is_back = [&](std::size_t row) {
+      return jumps(row) && std::abs(temperature_degC[row] - temperature_degC[k - 1]) <=
+                               kBack_K + kBack_K_per_s * (time_s[row] - time_s[k - 1]);
+    };
+    while (back < size && !is_back(back)) ++back;
+    if (k <= kFew && failed.rows.empty() && back - k > kFew) {
+      add(0, k);
+    } else if (back < size) {
+      add(k, back);
+      k = back;
+    } else if (size - k <= kFew) {
+      add(k, size);
+      break;
+    } else {
+      failed.no_way_back = k;
+      break;
+    }
+  }
+  return failed;
+}
+
 }  // namespace lipoid

@@ -1,10 +1,12 @@
 #pragma once
 
 /// @file
-/// Rows whose voltage or current cannot be: a reading that failed, alone between two that did not.
+/// Rows whose voltage, current or temperature cannot be: a reading that failed, alone between two that did not.
 /// Tests: tests/identify/logs/spikes_test.cc.
 
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "identify/logs/record.h"
@@ -23,5 +25,16 @@ namespace lipoid {
 /// (where there are none, by less than 5 mV under five times the largest current). Never the first or the
 /// last row; none where they are more than five or carry all the load, and none of a record without voltages.
 [[nodiscard]] std::vector<std::size_t> FindCurrentSpikes(const Record& record);
+
+/// Rows whose temperature is no reading of the cell: it jumps there by 8 K and at 0.5 K/s or more, which no cell does,
+/// and back to within 3 K and what 0.05 K/s make of the time between; at either end of a record, rows before or behind
+/// such a jump where they are at most five. None of ten rows or fewer. `no_way_back` is the row of a jump that does not
+/// come back, after which the column cannot be told from one of a sensor that came off.
+struct FailedTemperatures {
+  std::vector<std::size_t> rows;
+  std::optional<std::size_t> no_way_back;
+};
+[[nodiscard]] FailedTemperatures FindFailedTemperatures(std::span<const double> time_s,
+                                                        std::span<const double> temperature_degC);
 
 }  // namespace lipoid

@@ -259,6 +259,14 @@ TEST(PlainCsv, AShortHoleInTheTemperatureIsBridged) {
   const Log hole = read(600, {"20", "20", "", "", "", "", "23", "23", "23", "23", "23", "23"});
   EXPECT_TRUE(hole.record.temperature_degC.empty());
   EXPECT_TRUE(warned(hole, "temperature left out, for some rows hold no number"));
+  // Readings that failed are holes, too; where they go on the sensor is off.
+  const Log failed =
+      read(1, {"20", "20", "85", "20", "20", "20", "0", "0", "20", "20", "20", "20"});
+  EXPECT_EQ(failed.record.temperature_degC, std::vector<double>(12, 20.0));
+  EXPECT_TRUE(warned(failed, "3 rows of temperatures that no cell has, the first 85 degC at 2 s"));
+  const Log off = read(1, {"20", "20", "20", "20", "20", "20", "0", "0", "0", "0", "0", "0"});
+  EXPECT_TRUE(off.record.temperature_degC.empty());
+  EXPECT_TRUE(warned(off, "temperature left out: it jumps from 20 to 0 degC at 6 s"));
 }
 
 TEST(PlainCsv, StepsAndCyclesAreReportedWhereAskedFor) {

@@ -96,5 +96,51 @@ TEST(Spikes, TwoWrongRowsTogetherAreNone) {
   EXPECT_EQ(FindSpikes(Record{}), RowNumbers{});
 }
 
+// ---- temperatures ------------------------------------------------------------------------------
+
+class Temperatures : public testing::Test {
+ protected:
+  // 25 degC, warming by 10 K in an hour, with a row every 2 s.
+  Temperatures() {
+    for (int k = 0; k < 1800; ++k) {
+      time_s.push_back(2.0 * k);
+      degC.push_back(25.0 + 10.0 * k / 1800.0);
+    }
+  }
+  [[nodiscard]] FailedTemperatures Failed() const { return FindFailedTemperatures(time_s, degC); }
+  std::vector<double> time_s, degC;
+};
+
+TEST_F(Temperatures, OfACellNeverFail) {
+  EXPECT_TRUE(Failed().rows.empty() && !Failed().no_way_back);
+  for (std::size_t k = 900; k < degC.size(); ++k) {
+    time_s[k] += 600.0;  // out of the chamber and into another one
+    degC[k] -= 30.0;
+  }
+  EXPECT_TRUE(Failed().rows.empty() && !Failed().no_way_back);
+}
+
+TEST_F(Temperatures, ThatJumpThereAndBackFail) {
+  std::vector<std::size_t> expected;
+  for (std::size_t k = 0; k < degC.size(); k += 50) {
+    degC[k] = k % 100 == 0 ? 85.0 : 0.0;  // the first and the last but few, too
+    expected.push_back(k);
+  }
+  EXPECT_EQ(Failed().rows, expected);
+  EXPECT_FALSE(Failed().no_way_back);
+  degC.resize(1751);
+  time_s.resize(1751);
+  expected.resize(36);  // 1750 is the last row now
+  EXPECT_EQ(Failed().rows, expected);
+}
+
+TEST_F(Temperatures, OfASensorThatCameOffHaveNoWayBack) {
+  for (std::size_t k = 700; k < degC.size(); ++k) degC[k] = 0.0;
+  EXPECT_EQ(Failed().no_way_back, 700U);
+  for (std::size_t k = 1500; k < degC.size(); ++k) degC[k] = 30.0;  // it is put on again
+  EXPECT_EQ(Failed().rows.size(), 800U);
+  EXPECT_EQ(Failed().rows.front(), 700U);
+}
+
 }  // namespace
 }  // namespace lipoid
