@@ -194,6 +194,11 @@ TEST_F(Report, RefusesToReplaceWhatItsResultsWereMadeFrom) {
   EXPECT_NE(run.err.find("'log.csv' is also an input; name another file"), std::string::npos)
       << run.err;
   EXPECT_EQ(ReadTextFile(folder_ + "/log.csv"), before);
+  // Nor what the command wrote beside its summary.
+  Summary({"simulate", "gifi-600mAh-1", "--current", "log.csv", "-o", "predicted.csv"});
+  const std::string predicted = ReadTextFile(folder_ + "/predicted.csv");
+  EXPECT_EQ(RunLipoid(folder_, {"report", "s.json", "-o", "predicted.csv"}).exit_code, 2);
+  EXPECT_EQ(ReadTextFile(folder_ + "/predicted.csv"), predicted);
 }
 
 TEST_F(Report, ShowsACommandThatFailed) {

@@ -21,7 +21,8 @@ cli::ExitCode ReportCommand(cli::CommandLine& line) {
           "Writes results that are there already as one page with plots, to be opened in a browser: "
           "the files that --summary wrote, of {}. A summary holds no samples. Where its charts need "
           "some, they are made again from the files that the command had read, if each is still in "
-          "its place with the same SHA-256; otherwise the page says which is not.",
+          "its place with the same SHA-256; otherwise the page says which is not. Relative paths are those "
+          "of the folder in which it runs: run it where the command ran.",
           fmt::join(CommandsWithReport(), ", ")),
       "lipoid report fit.json flight.json -o results.html");
   line.InputArguments("SUMMARY", files, "files that --summary wrote");
@@ -29,7 +30,7 @@ cli::ExitCode ReportCommand(cli::CommandLine& line) {
   if (!line.Parse()) return cli::ExitCode::kDone;
   RequireReport();
 
-  // The logs and cells of the results are read again, and are no place for the page.
+  // The logs and cells of the results are read again, and are no place for the page; nor is what the command wrote.
   std::vector<Json> summaries;
   for (const std::string& file : files) {
     const Json& summary = summaries.emplace_back(ReadSummary(file));
@@ -37,6 +38,11 @@ cli::ExitCode ReportCommand(cli::CommandLine& line) {
     std::vector<std::string> read_again;
     for (const Json& input : summary["run"].at("inputs"))
       read_again.push_back(input.at("file").get<std::string>());
+    const Json& words = summary["run"].at("arguments");
+    for (std::size_t k = 1; k < words.size(); ++k) {
+      const auto& word = words[k - 1].get_ref<const std::string&>();
+      if (word == "-o" || word == "--output") read_again.push_back(words[k].get<std::string>());
+    }
     line.AddInputs(read_again);
   }
   std::vector<ReportResult> results;

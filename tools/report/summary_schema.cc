@@ -44,9 +44,7 @@ void Check(const Json& schema, const Json& value, const JsonReader& at, bool by_
     const auto types = found->is_array() ? found->get<std::vector<std::string>>()
                                          : std::vector{found->get<std::string>()};
     const auto has = [&](const std::string& type) { return HasType(value, type); };
-    // What was null in all runs may be anything in others.
-    const bool unseen = types == std::vector<std::string>{"null"};
-    if (!unseen && std::none_of(types.begin(), types.end(), has)) {
+    if (std::none_of(types.begin(), types.end(), has)) {
       std::vector<std::string> words;
       for (const auto& type : types) {
         if (type != "null") words.push_back(Words(type));
