@@ -1111,6 +1111,25 @@ class JointRun {
     }
   }
 
+  // No cell has so much: something else that goes with the temperature is in it.
+  void NameEntropyAtItsLimit() {
+    constexpr double kAlmost = 0.999;
+    const JointSolution& best = result_.choice.best;
+    const JointLayout layout(best.structure);
+    std::vector<std::string> at;
+    for (int k = 0; k < layout.entropies(); ++k) {
+      if (std::abs(best.x[layout.entropy() + k]) > kAlmost * kMostEntropy_V_per_K * kEntropyScale_K)
+        at.push_back(
+            fmt::format("{:.2g}", best.structure.entropy_soc[static_cast<std::size_t>(k)]));
+    }
+    if (at.empty()) return;
+    result_.cautions.push_back(fmt::format(
+        "dv_oc/dT stands at its limit of {:g} mV/K at A = {}, more than entropy makes: it stands in for something that "
+        "the model lacks, and v_oc at temperatures that no log has is not to be believed (--set joint.entropy=off leaves it out)",
+        1e3 * kMostEntropy_V_per_K,
+        fmt::join(at, ", ")));
+  }
+
   void NameTemperatureCautions() {
     auto& say = result_.cautions;
     const JointLogs& logs = result_.logs;
@@ -1132,6 +1151,7 @@ class JointRun {
             result_.heat->rmse_K,
             result_.heat->rmse_reversible_K));
       }
+      NameEntropyAtItsLimit();
       const bool predicted = result_.cell.temperature && result_.cell.temperature->heat;
       if (predicted || !TellTemperature(logs_)) return;
       say.push_back(

@@ -246,7 +246,8 @@ TEST(JointTemperature, CellsThatAreDrawnDifferInHeatToo) {
 // Asked for at the end, tables of 13 nodes had followed the slope already.
 TEST(JointTemperature, TheSlopeOfTheVoltageIsAskedForBeforeTablesFollowIt) {
   Cell truth = ColdTruth();
-  truth.temperature->entropy = EntropySlope<double>{{0.0, 0.3, 0.6, 1.0}, {-2e-4, 2e-4, -1e-4, 1e-4}};
+  truth.temperature->entropy =
+      EntropySlope<double>{{0.0, 0.3, 0.6, 1.0}, {-2e-4, 2e-4, -1e-4, 1e-4}};
   const auto logs = ClimateChamber(truth, {25.0, 40.0, 5.0}, 0.0005);
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
   const JointStructure& found = result.choice.best.structure;
@@ -259,6 +260,28 @@ TEST(JointTemperature, TheSlopeOfTheVoltageIsAskedForBeforeTablesFollowIt) {
     EXPECT_NEAR((*result.cell.temperature->entropy)(soc), (*truth.temperature->entropy)(soc), 7e-5)
         << soc;
   }
+  const auto& says = result.cautions;
+  const auto limit = [](const std::string& one) {
+    return one.starts_with("dv_oc/dT stands at its limit");
+  };
+  EXPECT_TRUE(std::none_of(says.begin(), says.end(), limit));
+}
+
+// More than any entropy: a thermometer that is off, or a cell that the logs do not share.
+TEST(JointTemperature, ASlopeOfTheVoltageAtItsLimitIsSaid) {
+  Cell truth = ColdTruth();
+  truth.temperature->entropy = EntropySlope<double>{{0.0, 1.0}, {1.2e-3, 1.2e-3}};
+  const auto logs = ClimateChamber(truth, {25.0, 40.0, 5.0}, 0.0005);
+  JointOptions options;
+  options.entropy = Presence::kOn;
+  options.branches = 1;
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, options);
+  const auto said =
+      std::find_if(result.cautions.begin(), result.cautions.end(), [](const auto& one) {
+        return one.starts_with("dv_oc/dT stands at its limit of 0.6 mV/K at A = ");
+      });
+  ASSERT_NE(said, result.cautions.end());
+  EXPECT_NE(said->find("0.55"), std::string::npos) << *said;
 }
 
 // Pulses in the cold and a slow discharge in the warm, as cold campaigns have it: the resistances are said
