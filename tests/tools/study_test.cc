@@ -31,6 +31,39 @@ void SynthesizeNoisyLogs(const std::string& folder) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
 }
 
+// Logs by options are those of a campaign file, as with identify and compare.
+TEST(Study, TakesLogsByOptions) {
+  const auto folder = TestFolder();
+  SynthesizeNoisyLogs(folder);
+  const auto rows = [&](std::vector<std::string> logs) {
+    logs.insert(logs.begin(), {"study", "branches"});
+    logs.insert(logs.end(), {"--alpha-C", "1353.6", "--summary", "s.json"});
+    const auto run = RunLipoid(folder, logs);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    Json table = ReadJson(folder, "s.json").at("rows");
+    for (Json& row : table) row.erase("wall_s");
+    return table;
+  };
+  std::vector<std::string> by_options{"--constant-current"};
+  for (int rate = 1; rate <= 6; ++rate)
+    by_options.push_back("logs/cc_" + std::to_string(rate) + "C.csv");
+  by_options.insert(by_options.end(),
+                    {"--low-rate",
+                     "logs/low_rate.csv",
+                     "--pulses",
+                     "logs/pulses.csv",
+                     "--cutoff-V",
+                     "3",
+                     "--capacity-Ah",
+                     "0.6",
+                     "--units",
+                     "s,A,V"});
+  EXPECT_EQ(rows(by_options), rows({"logs/campaign.toml"}));
+  const auto none = RunLipoid(folder, {"study", "ocv"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("CAMPAIGN is missing"), std::string::npos) << none.err;
+}
+
 TEST(Study, BranchesPrintsATableAndRecommendsTheCellsOwn) {
   const auto folder = TestFolder();
   SynthesizeNoisyLogs(folder);

@@ -10,6 +10,7 @@
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/campaign_options.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/staged_options.h"
 
@@ -74,7 +75,8 @@ std::string CsvText(const StudyResult& result) {
 
 cli::ExitCode StudyCommand(cli::CommandLine& line) {
   std::string what;
-  std::string campaign_file;
+  std::vector<std::string> files;
+  CampaignOptions campaign_options;
   std::string csv;
   StagedRequest request;
   std::string known;
@@ -84,9 +86,11 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
                 "lipoid study branches campaign.toml");
   line.Example("lipoid study ocv campaign.toml --csv forms.csv");
   line.Argument("WHAT", what, known);
-  line.InputArgument("CAMPAIGN", campaign_file, "a campaign file (TOML)");
+  line.InputArguments(
+      "CAMPAIGN", files, "a campaign file (TOML); none where logs are given by options", 0);
   line.OutputOption("csv", csv, "FILE", "write the table as CSV, with all digits");
   line.Each(request);
+  campaign_options.AddTo(line);
   request.EachGroup([&](std::string_view name, auto& group) { line.Group(name, group); });
   line.Group("solver", request.options.solver);
   line.ReportOption();
@@ -95,8 +99,10 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   CheckSaidOnce(line, request);
   const Study& study = FindStudy(what);
   request.Resolve();
-  const Campaign campaign = ReadCampaign(campaign_file);
-  line.AddInputs(LogFiles({campaign}));
+  const auto campaigns =
+      campaign_options.Campaigns(line, files, request.given.open_circuit_voltage);
+  if (campaigns.size() > 1) throw OptionError("one campaign at a time");
+  const Campaign& campaign = campaigns[0];
   line.progress().Update(0.0, "reading logs");
   const auto logs = LoadLogs(line, campaign);
   if (const auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty()) line.Message("{}", doubt);
