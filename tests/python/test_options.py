@@ -60,7 +60,7 @@ FUNCTIONS: dict[str, tuple[Callable[[], list[Description]], str, set[str], set[s
         set(),
     ),
     "compare": (_core.describe_compare, "compare", {*CAMPAIGN, *READING, *START}, set()),
-    "study": (_core.describe_study, "study", set(), set()),
+    "study": (_core.describe_study, "study", {*CAMPAIGN, *READING, *START}, set()),
     "plan": (_core.describe_plan, "plan", set(), set()),
     "fly": (
         _core.describe_fly,
