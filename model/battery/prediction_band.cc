@@ -24,10 +24,10 @@ PredictionBand PredictBand(std::span<const Cell> cells,
   band.voltage_low_V.resize(time_s.size());
   band.voltage_high_V.resize(time_s.size());
   // A few rows at a time, so that memory does not grow with the log.
-  constexpr std::size_t kRows = 1024;
-  std::vector<double> voltage_V(kRows * cells.size());
-  for (std::size_t from = 0; from < time_s.size(); from += kRows) {
-    const std::size_t rows = std::min(kRows, time_s.size() - from);
+  constexpr std::size_t kRowsAtOnce = 1024;
+  std::vector<double> voltage_V(kRowsAtOnce * cells.size());
+  for (std::size_t from = 0; from < time_s.size(); from += kRowsAtOnce) {
+    const std::size_t rows = std::min(kRowsAtOnce, time_s.size() - from);
     Surroundings block = surroundings;
     if (!block.measured_degC.empty()) block.measured_degC = block.measured_degC.subspan(from, rows);
     tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t c) {
