@@ -464,7 +464,8 @@ Identification Identify(const Campaign& campaign,
   std::vector<StartDoubt> starts;
   for (const LoadedLog& log : logs) {
     if (log.entry.kind == LogKind::kFlight) continue;  // starts anywhere
-    auto doubt = DoubtOfStart(one, log.log.record, log.entry.initial_soc);
+    auto doubt = DoubtOfStart(
+        one, log.log.record, log.entry.initial_soc, SurroundingsOf(log.log.record, log.entry));
     if (!doubt) continue;
     doubt->file = log.entry.file;
     starts.push_back(std::move(*doubt));

@@ -86,7 +86,10 @@ std::string Sentence(const StartDoubt& doubt) {
 
 }  // namespace
 
-std::optional<StartDoubt> DoubtOfStart(const Cell& one, const Record& record, double initial_soc) {
+std::optional<StartDoubt> DoubtOfStart(const Cell& one,
+                                       const Record& record,
+                                       double initial_soc,
+                                       const Surroundings& surroundings) {
   constexpr double kSoc = 0.03;
   constexpr double kVoltage_V = 0.02;
   if (record.size() < 2 || record.voltage_V.empty()) return std::nullopt;
@@ -95,8 +98,6 @@ std::optional<StartDoubt> DoubtOfStart(const Cell& one, const Record& record, do
   while (rows < record.size() && std::abs(record.current_A[rows]) <= rest_A) ++rows;
   if (rows == 0 || rows == record.size()) return std::nullopt;
   const double rest_V = record.voltage_V[rows - 1];
-  const Surroundings surroundings{
-      .measured_degC = record.temperature_degC, .ambient_degC = {}, .initial_degC = {}};
   const double full_V = VoltageAtRest(one, 1.0, surroundings);
   // Cells that are charged alike rest within some hundredths of a volt of one another.
   constexpr double kBeyondFull_V = 0.04;
@@ -140,7 +141,7 @@ std::string DoubtAboutStart(const Cell& pack, const Record& record, double initi
     one.series = one.parallel = 1;
     return DoubtAboutStart(one, of_one, initial_soc);
   }
-  const auto at_rest = DoubtOfStart(pack, record, initial_soc);
+  const auto at_rest = DoubtOfStart(pack, record, initial_soc, SurroundingsOf(record, {}));
   return at_rest ? Sentence(*at_rest) : DoubtAboutLoadedStart(pack, record, initial_soc);
 }
 

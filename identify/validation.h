@@ -86,7 +86,8 @@ struct StartDoubt {
 /// the charge or 20 mV, or cannot be seen. The record is that of one cell.
 [[nodiscard]] std::optional<StartDoubt> DoubtOfStart(const Cell& one,
                                                      const Record& record,
-                                                     double initial_soc);
+                                                     double initial_soc,
+                                                     const Surroundings& surroundings = {});
 
 /// Of a log that begins under load, whose first voltage is not one that this cell has under it at
 /// `initial_soc`, as a sentence; empty where there is nothing to say.

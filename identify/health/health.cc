@@ -434,7 +434,8 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
         std::exp(x[U::kCapacity]),
         reference.cell.alpha_C() / 3600.0));
   } else {
-    // What moves both ends moves what was taken between them; of flights that are compared it moves all alike.
+    // The kinks move each end, and with them the charge that was taken between. They are the same ones for all flights
+    // of a pack, so that a trend does not count them.
     const double of_kinks =
         std::hypot(KinksInSoc(reference, x[U::kStart]), KinksInSoc(reference, soc_end)) * alpha_C /
         std::abs(true_C);

@@ -349,6 +349,10 @@ class JointRun {
         .Search(RoughStructure(alpha_C), 1e-3, near.x.size() > 0 ? &near : nullptr);
   }
 
+  [[nodiscard]] double RmseOf(const JointSolution& solution) const {
+    return std::sqrt(std::max(solution.square, 0.0) / result_.logs.weight_sum);
+  }
+
   void KeepRoughCurve(double alpha_C) {
     const std::vector<double>& soc = rough_.structure.voltage_soc;
     if (rough_.x.size() == 0 || soc.empty()) return;
@@ -369,7 +373,7 @@ class JointRun {
       result_.setup.search_about_C = factor * label_C;
       const JointSolution rough = RoughFit(factor * label_C, {});
       if (rough.x.size() == 0) continue;
-      const double rmse_V = std::sqrt(std::max(rough.square, 0.0) / result_.logs.weight_sum);
+      const double rmse_V = RmseOf(rough);
       if (rmse_V >= least_V) continue;
       least_V = rmse_V;
       best_C = rough.rates.alpha_C;
@@ -434,7 +438,7 @@ class JointRun {
     const auto search = [&] {
       rough_ = RoughFit(alpha_C, rough_);
       KeepRoughCurve(alpha_C);
-      return std::sqrt(std::max(rough_.square, 0.0) / result_.logs.weight_sum);
+      return RmseOf(rough_);
     };
     for (int pass = 0; pass < 2; ++pass) {
       Tell("alpha", 0.2 + 0.05 * pass);
@@ -566,7 +570,7 @@ class JointRun {
       FitInItsOwnGauge();
     JointSolution& best = result_.choice.best;
     if (!known_.NamesABranch()) SortBranches(best);
-    result_.rmse_V = std::sqrt(std::max(best.square, 0.0) / result_.logs.weight_sum);
+    result_.rmse_V = RmseOf(best);
     result_.converged = best.termination == Termination::kConverged;
   }
 
@@ -1125,7 +1129,8 @@ class JointRun {
     if (at.empty()) return;
     result_.cautions.push_back(fmt::format(
         "dv_oc/dT stands at its limit of {:g} mV/K at A = {}, more than entropy makes: it stands in for something that "
-        "the model lacks, and v_oc at temperatures that no log has is not to be believed (--set joint.entropy=off leaves it out)",
+        "the model lacks, and v_oc at temperatures that no log has is not to be believed (--set joint.entropy=off leaves "
+        "it out)",
         1e3 * kMostEntropy_V_per_K,
         fmt::join(at, ", ")));
   }

@@ -9,7 +9,7 @@
 
 namespace lipoid {
 
-/// With which the pack rests at a state of charge, as a prediction among these surroundings begins.
+/// The voltage with which the pack rests at a state of charge, as a prediction among these surroundings begins.
 [[nodiscard]] double VoltageAtRest(const Cell& cell,
                                    double soc,
                                    const Surroundings& surroundings = {});

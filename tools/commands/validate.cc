@@ -89,7 +89,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
     }
     LogErrors errors = validation.Result();
     errors.file = loaded.entry.file;
-    if (auto doubt = DoubtOfStart(one, loaded.log.record, initial_soc)) {
+    if (auto doubt = DoubtOfStart(one, loaded.log.record, initial_soc, among)) {
       doubt->file = errors.file;
       starts.push_back(std::move(*doubt));
     }
