@@ -331,10 +331,13 @@ void NoteOnToldTemperatures(Identification& found, const std::vector<LoadedLog>&
 }  // namespace
 
 std::string Identification::Verdict() const {
-  std::string text = quality.Sentence();
-  if (staged)
-    text += staged->fitted_kind == LogKind::kPulses ? " (pulses alone)" : " (discharges alone)";
-  return text;
+  const std::string part = fitted_part();
+  return part.empty() ? quality.Sentence() : fmt::format("{} ({} alone)", quality.Sentence(), part);
+}
+
+std::string Identification::fitted_part() const {
+  if (!staged) return "";
+  return staged->fitted_kind == LogKind::kPulses ? "pulses" : "discharges";
 }
 
 std::vector<LogKind> Identification::fitted_kinds() const {

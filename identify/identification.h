@@ -63,6 +63,8 @@ struct Identification {
   [[nodiscard]] std::string Verdict() const;
   /// The kinds of logs that the last fit used.
   [[nodiscard]] std::vector<LogKind> fitted_kinds() const;
+  /// "pulses" or "discharges" of the staged method, whose errors are of no other logs; else empty.
+  [[nodiscard]] std::string fitted_part() const;
   /// Mean error of the pulses (staged), or the mean over all fitted logs of theirs (joint).
   [[nodiscard]] double mean_error_percent() const;
 };

@@ -89,7 +89,7 @@ struct NamedCombination {
   Eigen::VectorXd added_spread = {};  ///< as that of a quantity
 };
 
-inline constexpr int kSimulations = 12;
+inline constexpr int kSimulations = 48;
 
 struct TrustOptions {
   std::vector<Eigen::Index> held;  ///< parameters at an active bound beside those of quantities

@@ -79,7 +79,8 @@ std::string KnownText(const Identification& found) {
   }
   const ExpectedError& error = found.expected_error;
   if (std::isfinite(error.percent)) {
-    row("mean error to expect of new logs of these kinds",
+    const std::string part = found.fitted_part();
+    row("mean error to expect of new " + (part.empty() ? "logs of these kinds" : part),
         error.percent,
         error.low_percent,
         error.high_percent,

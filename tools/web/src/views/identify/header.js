@@ -13,12 +13,12 @@ function logsInWords(logs) {
 }
 
 // The staged method judges the logs of one kind.
-const ALONE = { "pulses": " (pulses alone)", "constant-current": " (discharges alone)" };
+const PART = { "pulses": "pulses", "constant-current": "discharges" };
 
 function verdictSentence({ verdict, fitted_kind: kind }) {
   if (!verdict) return null;
   const { grade, rmse_V, mean_error_percent, reasons } = verdict;
-  return judgement({ verdict: grade, rmse_V, mean_error_percent, reason: (reasons ?? []).join("; ") }, `its own logs${ALONE[kind] ?? ""}`);
+  return judgement({ verdict: grade, rmse_V, mean_error_percent, reason: (reasons ?? []).join("; ") }, `its own logs${PART[kind] ? ` (${PART[kind]} alone)` : ""}`);
 }
 
 /** The key `fit` of a summary as a sentence; `what` are the logs that it is of. */
@@ -58,7 +58,7 @@ export function header({ summary, program, cautions }) {
       ["Logs", campaign ? logsInWords(campaign.logs) : null],
       ["Pack", pack],
       ["Method", METHOD[summary.method] ?? summary.method],
-      ["Mean error to expect of a new log of these kinds", expectedError(summary)],
+      [`Mean error to expect of new ${PART[summary.fitted_kind] ?? "logs of these kinds"}`, expectedError(summary)],
       ["Nominal capacity", campaign?.capacity_Ah ? `${significant(campaign.capacity_Ah)} Ah` : null],
       ["Cut-off", cell?.cutoff_V ? `${significant(cell.cutoff_V)} V` : null],
       ["Cell file", summary.file],
