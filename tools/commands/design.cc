@@ -348,28 +348,35 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
         1.0 / design.attitude_decay_per_s,
         1.0 / kAttitudeDecayOfPlaced);
   }
+  std::vector<std::string> cautions;
+  const auto say_cautions = [&] {
+    for (const std::string& caution : cautions) line.Message("{}", caution);
+    summary["cautions"] = cautions;
+  };
   if (!answer.stable) {
-    line.Message(
+    cautions.push_back(fmt::format(
         "the search found no gains within the bounds that keep the {} loop stable with {:g} times its "
         "gain or its lag{}; "
         "give higher bounds (--set design.proportional_bound=...) or another start. Nothing is "
         "written",
         loop_name,
         kStabilityMargin,
-        decay);
+        decay));
+    say_cautions();
     return cli::ExitCode::kIncomplete;
   }
   if (answer.constrained) {
-    line.Message(
+    cautions.push_back(fmt::format(
         "the gains of the least error would not keep the {} loop stable with {:g} times its gain "
         "or its lag{}; these have the least error among those that do",
         loop_name,
         kStabilityMargin,
-        decay);
+        decay));
   }
-  if (const std::string text = AtBoundText(answer.at_bound, design.controller.law); !text.empty())
-    line.Message("{}", text);
-  for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
+  if (std::string text = AtBoundText(answer.at_bound, design.controller.law); !text.empty())
+    cautions.push_back(std::move(text));
+  for (std::string& warning : StabilityWarnings(hovers)) cautions.push_back(std::move(warning));
+  say_cautions();
   if (!output.empty()) WriteFileAtomically(output, JsonText(GainsToJson(found)));
   return no_answer.empty() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }

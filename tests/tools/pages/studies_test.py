@@ -205,6 +205,19 @@ class Studies(PageTest):
         charts = page.run(CHARTS)
         self.assertEqual(charts[0]["data"][1], [step["cost"] for step in summary["improvements"]])
         self.assertEqual(sum(chart["title"].startswith("Poles of") for chart in charts), 2)
+        self.assertEqual(self.warnings(page), summary["cautions"])
+
+    def test_design_tells_what_was_found_from_what_is_written(self):
+        summary, page = self.page("design", "altitude", "--optimizer", "genetic", "--set", "genetic.population=5",
+                                  "--set", "genetic.iterations_per_variable=1", "--check", "never")
+        self.assertEqual(self.column(page, 0, 1), ["start", "found", "from there on", "upper bound"])
+        self.near_4(self.column(page, 0, 2)[1], summary["search"]["gains"]["proportional"])
+        self.near_4(self.column(page, 0, 2)[2], summary["gains"]["proportional"])
+        self.assertIn("ended at its upper bound", summary["cautions"][0])
+        self.assertEqual(self.warnings(page), summary["cautions"])
+
+    def warnings(self, page):
+        return page.run("return [...document.querySelectorAll('.notice.warning')].map((p) => p.textContent.replace('Caution: ', ''))")
 
     def test_endurance_shows_speeds_and_the_flights_over_a_temperature(self):
         vehicle = ["--vehicle", "camera-10in", "--cell", "grepow-32Ah-1", "--capacity-Ah", "5.2", "--series", "4",

@@ -1,15 +1,18 @@
 // `lipoid design`: the gains that were found, how the search went, and where the poles lie.
 import { lineChart } from "../chart.js";
-import { facts, note, section } from "../dom.js";
+import { facts, note, notice, section } from "../dom.js";
 import { duration, significant } from "../format.js";
 import { isNumber, listOf } from "../numbers.js";
 import { rootLocus } from "../root_locus.js";
 import { table } from "../table.js";
 
-function gainsTable({ start, gains, cost, longer_run, bounds }, unit) {
+// As the command prints them: what the optimizer found, and what is written where that is another.
+function gainsTable({ start, search: found, gains, cost, longer_run, bounds }, unit) {
+  const missed = found && JSON.stringify(found.gains) !== JSON.stringify(gains);
   const rows = [
     { name: "start", gains: start?.gains, cost: start?.cost },
-    { name: "found", gains, cost },
+    missed ? { name: "found", gains: found.gains, cost: found.cost } : null,
+    { name: missed ? "from there on" : "found", gains, cost },
     longer_run ? { name: "by a run ten times longer", gains: longer_run.gains, cost: longer_run.cost } : null,
     { name: "upper bound", gains: bounds, cost: null },
   ].filter((row) => row?.gains);
@@ -56,6 +59,7 @@ export const design = {
         ["Above a run ten times longer", isNumber(gap) ? `${significant(gap, 3)} %` : null],
       ]),
       note(summary.message ?? ""),
+      listOf(summary.cautions).map((text) => notice("warning", text)),
       gainsTable(summary, unit),
       section("The search", search(summary, unit)),
       section("Poles with the gains found", ...rootLocus(summary.poles, "the gains found")),
