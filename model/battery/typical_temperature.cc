@@ -1,5 +1,7 @@
 #include "model/battery/typical_temperature.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "model/core/errors.h"
@@ -39,6 +41,23 @@ Cell WithTypicalTemperature(Cell cell, double size_factor) {
   cell.temperature_seen.reset();  // nobody has seen these values anywhere
   cell.self_heating.reset();
   return cell;
+}
+
+std::string TypicalTemperatureText(const Cell& cell, double size_factor) {
+  if (cell.temperature) return "";
+  const Cell knowing = WithTypicalTemperature(cell, size_factor);
+  const Cell::Temperature& term = *knowing.temperature;
+  return fmt::format(
+      "knows no temperature: typical values about {:.3g} degC{} are assumed, {:g} kJ/mol for its series "
+      "resistance, {:g} kJ/mol for its diffusion, a heat capacity of {:.3g} J/K and {:.3g} K/W "
+      "to the air for each cell{}",
+      term.reference_K - kZeroCelsius_K,
+      cell.reference_degC ? ", where its logs were," : "",
+      1e-3 * term.series_J_per_mol,
+      1e-3 * term.diffusion_J_per_mol,
+      term.heat->heat_capacity_J_per_K * size_factor,
+      term.heat->thermal_resistance_K_per_W / size_factor,
+      cell.self_heating ? "; they take the place of its self-heating (rho_h, tau_h)" : "");
 }
 
 }  // namespace lipoid

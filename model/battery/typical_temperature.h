@@ -11,6 +11,8 @@
 /// that of a prism of 2000 kg/m³ and a surface of 9 times the two-thirds power of its volume, to
 /// air by 15 W/(m² K): a pack in slow air. Tests: tests/model/battery/temperature_test.cc.
 
+#include <string>
+
 #include "model/battery/cell.h"
 
 namespace lipoid {
@@ -25,5 +27,8 @@ inline constexpr double kMostEntropy_V_per_K = 0.6e-3;
 /// known, marked as assumed. Self-heating, which is another law for the same, goes. The cell knows no temperature yet. A cell that flies
 /// `size_factor` times as large (aged_cell.h) gets the heat that is typical of its own size.
 [[nodiscard]] Cell WithTypicalTemperature(Cell cell, double size_factor = 1.0);
+
+/// What that assumes of this cell, to be read after its name; empty where it knows temperature.
+[[nodiscard]] std::string TypicalTemperatureText(const Cell& cell, double size_factor = 1.0);
 
 }  // namespace lipoid

@@ -435,6 +435,12 @@ class Cell:
                 self.name,
             )
 
+    def _tell_what_is_assumed(self, options: Mapping[str, Any], size_factor: float = 1.0) -> None:
+        if options.get("ambient_degC") is None:
+            return
+        if text := _core.typical_temperature_text(self._core, size_factor):
+            logger.warning("%s %s", self.name, text)
+
     def resample(self, count: int, *, seed: int = 0) -> list[Cell]:
         """Draw cells from the covariance of the estimates, for ensembles.
 

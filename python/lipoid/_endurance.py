@@ -125,9 +125,6 @@ def endurance(
         summary = _core.endurance(
             one._core, dict(options), whole_seed(seed), whole("threads", threads), tell
         )
-    if flown := summary["ensemble"]:
-        one._tell(
-            _core.doubt_about_few(flown["flights"], "flights"),
-            _core.doubt_about_moved(flown["moved"], flown["flights"]),
-        )
+    one._tell_what_is_assumed(options, summary["capacity_Ah"] / one.capacity_Ah)
+    one._tell(*summary["messages"])
     return Endurance(summary, inputs_of(one, options))

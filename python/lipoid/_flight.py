@@ -130,16 +130,19 @@ def fly(
             "unknown option 'ensemble'; a flight here is on one cell: fly on each of "
             "cell.resample(20), which are drawn as the command line draws them"
         )
-    core = None if cell is None else as_cell(cell)._core
+    one = None if cell is None else as_cell(cell)
     with Reporter(progress, f"fly {maneuver}") as tell:
         summary, data = _core.fly(
             utf8("maneuver", maneuver),
-            core,
+            None if one is None else one._core,
             dict(options),
             whole_seed(seed),
             whole("threads", threads),
             tell,
         )
+    if one is not None:
+        one._tell_what_is_assumed(options)
+        one._tell(*summary["doubts"])
     return Flight(pd.DataFrame(data), summary, inputs_of(cell, options))
 
 

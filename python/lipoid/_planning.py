@@ -98,6 +98,7 @@ def synthesize(
     """
     one = as_cell(cell)
     truth = _core.with_parameters(one._core, {"parameters": parameters})
+    one._tell_what_is_assumed(options)
     with Reporter(progress, "synthesize") as tell:
         if folder is not None:
             read = inputs_of(one)

@@ -358,8 +358,13 @@ void AddCells(nb::module_& module) {
       "doubt_about_fit",
       [](const PythonCell& cell) { return DoubtAboutFit(cell.cell); },
       nb::arg("cell"));
-  module.def("doubt_about_moved", &DoubtAboutMoved, nb::arg("moved"), nb::arg("cells"));
-  module.def("doubt_about_few", &DoubtAboutFew, nb::arg("count"), nb::arg("things"));
+  module.def(
+      "typical_temperature_text",
+      [](const PythonCell& cell, double size_factor) {
+        return TypicalTemperatureText(cell.cell, size_factor);
+      },
+      nb::arg("cell"),
+      nb::arg("size_factor"));
   module.def("cell_names", &ShippedCellNames);
 }
 

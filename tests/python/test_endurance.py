@@ -189,3 +189,25 @@ def test_a_share_may_be_in_percent_as_on_the_command_line() -> None:
     expected = "option reserve: expected 0% .. 99%, found '200%'"
     with pytest.raises(lipoid.OptionError, match=expected):
         lipoid.endurance(cell, vehicle=vehicle, reserve="200%")
+
+
+def test_what_is_assumed_of_the_temperature_is_said_as_by_the_program(
+    program: Lipoid, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    words = ["--vehicle", "mambo-physical", "--cell", "gifi-600mAh-1", "--capacity-Ah", 0.9]
+    theirs = program("endurance", *words, "--ambient-degC", 5, folder=tmp_path)
+    assumed = [said for said in theirs["messages"] if "typical values about" in said]
+    lipoid.endurance("gifi-600mAh-1", vehicle="mambo-physical", capacity_Ah=0.9, ambient_degC=5)
+    assert [said for said in caplog.messages if "typical values about" in said] == assumed
+    assert len(assumed) == 1
+    assert caplog.messages[1:] == [f"gifi-600mAh-1: {said}" for said in theirs["messages"][1:]]
+    caplog.clear()
+    lipoid.fly("hover", cell="gifi-600mAh-1", duration=0.1, ambient_degC=5.0)
+    lipoid.synthesize("gifi-600mAh-1", ambient_degC=[25.0], rates_C=[2.0])
+    said = "gifi-600mAh-1 knows no temperature: typical values about 25 degC are assumed, "
+    assert [message.startswith(said) for message in caplog.messages] == [True, True]
+    caplog.clear()
+    warm = lipoid.Cell.read("gifi-600mAh-1").with_typical_temperature()
+    lipoid.endurance(warm, vehicle="mambo-physical", ambient_degC=5)
+    lipoid.endurance("gifi-600mAh-1", vehicle="mambo-physical")
+    assert "knows no temperature" not in caplog.text
