@@ -15,6 +15,7 @@ namespace lipoid {
 
 struct SurroundingsRequest {
   std::optional<double> ambient_degC = {};
+  std::optional<double> initial_degC = {};
   bool predict_temperature = false;
 
   template <class Self, class Visitor>
@@ -35,6 +36,11 @@ struct SurroundingsRequest {
       kTemperatures_degC,
       "temperature of the surroundings in degC, from which the cell starts and warms, where "
       "a log has no temperature_degC; by default the cell's reference temperature");
+    v("initial_degC",
+      self.initial_degC,
+      kTemperatures_degC,
+      "temperature of the cell at the first row in degC, where its temperature is predicted; by default that "
+      "of the first row of a log that has temperature_degC, else that of the surroundings");
   }
 
   /// Of a record, which must outlive what is returned.

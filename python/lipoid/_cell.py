@@ -238,6 +238,7 @@ class Cell:
         initial_voltage_V: float | None = None,
         temperature_degC: Any = None,
         ambient_degC: float | None = None,
+        initial_degC: float | None = None,
         beyond_cutoff: bool = False,
         threads: int = 0,
     ) -> Simulation:
@@ -264,6 +265,9 @@ class Cell:
         ambient_degC : float, optional
             Temperature of the surroundings, where none was measured; not given: the reference of
             the cell.
+        initial_degC : float, optional
+            Temperature of the cell at the first row, where none was measured; not given: that of
+            the surroundings.
         beyond_cutoff : bool
             Predict all rows, also those below the cell's cut-off, where no cell would go on.
         threads : int
@@ -276,7 +280,14 @@ class Cell:
             cut-off, as a warning then says.
         """
         t, i, measured, options = self._driven(
-            "simulate", time_s, current_A, hold, temperature_degC, ambient_degC, (1, 2)
+            "simulate",
+            time_s,
+            current_A,
+            hold,
+            temperature_degC,
+            ambient_degC,
+            initial_degC,
+            (1, 2),
         )
         options |= {"initial_soc": initial_soc, "initial_voltage_V": initial_voltage_V}
         options["beyond_cutoff"] = beyond_cutoff
@@ -328,6 +339,7 @@ class Cell:
         initial_voltage_V: float | None = None,
         temperature_degC: Any = None,
         ambient_degC: float | None = None,
+        initial_degC: float | None = None,
         beyond_cutoff: bool = False,
     ) -> tuple[FloatArray, FloatArray]:
         """Voltages in V between which 95 % of cells drawn from the covariance lie, row by row.
@@ -341,7 +353,7 @@ class Cell:
         seed : int
             Of what is drawn.
         time_s, current_A, hold, initial_soc, initial_voltage_V, temperature_degC, ambient_degC, \
-        beyond_cutoff
+        initial_degC, beyond_cutoff
             As in :meth:`simulate`, of one current.
 
         Raises
@@ -350,7 +362,7 @@ class Cell:
             Where the cell carries no uncertainty: it was not identified.
         """
         t, i, measured, options = self._driven(
-            "band", time_s, current_A, hold, temperature_degC, ambient_degC, (1,)
+            "band", time_s, current_A, hold, temperature_degC, ambient_degC, initial_degC, (1,)
         )
         options |= {"initial_soc": initial_soc, "initial_voltage_V": initial_voltage_V}
         options["beyond_cutoff"] = beyond_cutoff
@@ -370,11 +382,13 @@ class Cell:
         hold: str | None,
         temperature_degC: Any,
         ambient_degC: float | None,
+        initial_degC: float | None,
         dimensions: tuple[int, ...],
     ) -> tuple[FloatArray, FloatArray, FloatArray | None, dict[str, Any]]:
         """Return times, currents and measured temperatures that go together, and options."""
-        if temperature_degC is not None and ambient_degC is not None:
-            raise OptionError(f"{what}: give temperature_degC or ambient_degC, not both")
+        for name, said in (("ambient_degC", ambient_degC), ("initial_degC", initial_degC)):
+            if temperature_degC is not None and said is not None:
+                raise OptionError(f"{what}: give temperature_degC or {name}, not both")
         if isinstance(time_s, Log):
             if current_A is not None or hold is not None:
                 given = "current_A" if current_A is not None else "hold"
@@ -415,24 +429,31 @@ class Cell:
                 raise OptionError(f"{what}: expected a finite temperature for each row")
             if wrong := _core.impossible_temperature(np.atleast_2d(t), np.atleast_2d(measured)):
                 raise OptionError(f"{what}: temperature_degC: {wrong}")
-        self._tell_what_says_nothing(ambient_degC)
-        for felt in (measured, ambient_degC):
+        if measured is not None:
+            initial_degC = None
+        self._tell_what_says_nothing(ambient_degC, initial_degC)
+        for felt in (measured, ambient_degC, initial_degC):
             if felt is not None:
                 lowest, highest = float(np.min(felt)), float(np.max(felt))
                 self._tell(_core.doubt_about_temperature(self._core, lowest, highest))
-        return t, i, measured, {"hold": hold, "ambient_degC": ambient_degC}
+        among = {"ambient_degC": ambient_degC, "initial_degC": initial_degC}
+        return t, i, measured, {"hold": hold, **among}
 
     def _tell(self, *doubts: str) -> None:
         for doubt in doubts:
             if doubt:
                 logger.warning("%s: %s", self.name, doubt)
 
-    def _tell_what_says_nothing(self, ambient_degC: float | None) -> None:
-        if ambient_degC is not None and not self._core.knows_temperature:
+    def _tell_what_says_nothing(
+        self, ambient_degC: float | None, initial_degC: float | None = None
+    ) -> None:
+        given = "ambient_degC" if ambient_degC is not None else "initial_degC"
+        if (ambient_degC, initial_degC) != (None, None) and not self._core.knows_temperature:
             logger.warning(
-                "%s knows no temperature: ambient_degC changes nothing; with typical values it is "
+                "%s knows no temperature: %s changes nothing; with typical values it is "
                 "cell.with_typical_temperature()",
                 self.name,
+                given,
             )
 
     def _tell_what_is_assumed(self, options: Mapping[str, Any], size_factor: float = 1.0) -> None:

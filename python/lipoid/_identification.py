@@ -241,6 +241,7 @@ def validate(
     initial_soc: float | None = None,
     initial_voltage_V: float | None = None,
     ambient_degC: float | None = None,
+    initial_degC: float | None = None,
     predict_temperature: bool = False,
     **reading: Unpack[ReadingOptions],
 ) -> pd.DataFrame:
@@ -259,6 +260,9 @@ def validate(
     ambient_degC : float, optional
         Temperature of the surroundings of logs that have none; not given: the reference of the
         cell.
+    initial_degC : float, optional
+        Temperature of the cell at the first row, where its temperature is predicted; not given:
+        that of the log's first row, else of the surroundings.
     predict_temperature : bool
         Predict the temperature also of logs that have it, with surroundings as warm as their first
         row where ``ambient_degC`` is not given; ``temperature_rmse_K`` is how far it is off.
@@ -273,13 +277,14 @@ def validate(
         it is no better, and ``edges``.
     """
     one = as_cell(cell)
-    one._tell_what_says_nothing(ambient_degC)
+    one._tell_what_says_nothing(ambient_degC, initial_degC)
     if predict_temperature and not one._core.knows_temperature:
         logger.warning("predict_temperature changes nothing: the cell knows no temperature")
     options = {
         "initial_soc": initial_soc,
         "initial_voltage_V": initial_voltage_V,
         "ambient_degC": ambient_degC,
+        "initial_degC": initial_degC,
         "predict_temperature": predict_temperature,
     }
     several = as_logs(logs, "validate: expected at least one log", reading)

@@ -131,7 +131,8 @@ nb::tuple Simulate(const PythonCell& self,
   std::vector<double> cutoff_s(count, kNaN);
   const auto one = [&](std::size_t k) {
     StopIfAsked();
-    Surroundings among{.ambient_degC = asked.surroundings.ambient_degC};
+    Surroundings among{.ambient_degC = asked.surroundings.ambient_degC,
+                       .initial_degC = asked.surroundings.initial_degC};
     if (measured_degC)
       among.measured_degC = {measured_degC->data() + (measured == 1 ? 0 : k * rows), rows};
     const double initial_soc = asked.start.Soc(cell, among);
@@ -209,7 +210,8 @@ nb::tuple Band(const PythonCell& self,
                std::uint64_t seed) {
   const Cell& cell = WithUncertainty(self);
   const PredictionKeywords asked(given);
-  Surroundings among{.ambient_degC = asked.surroundings.ambient_degC};
+  Surroundings among{.ambient_degC = asked.surroundings.ambient_degC,
+                     .initial_degC = asked.surroundings.initial_degC};
   if (measured_degC) among.measured_degC = SpanOf(*measured_degC);
   const double initial_soc = asked.start.Soc(cell, among);
   const auto t = SpanOf(time_s);

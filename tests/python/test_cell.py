@@ -318,14 +318,25 @@ def test_the_band_is_as_warm_as_what_is_simulated(
     cell.save(tmp_path / "cell.json")
     frame = pd.DataFrame({"time_s": T, "current_A": I, "temperature_degC": 10.0 + T / 100.0})
     start: list[Any] = ["--initial-voltage-V", 4.1, "--ensemble", 50, "--seed", 3]
-    for ambient_degC, given in ((None, frame), (-5.0, frame.drop(columns="temperature_degC"))):
+    bare = frame.drop(columns="temperature_degC")
+    for ambient_degC, initial_degC, given in (
+        (None, None, frame),
+        (-5.0, None, bare),
+        (-5.0, 20.0, bare),
+    ):
         given.to_csv(tmp_path / "load.csv", index=False)
-        room = [] if ambient_degC is None else ["--ambient-degC", ambient_degC]
+        room: list[Any] = [] if ambient_degC is None else ["--ambient-degC", ambient_degC]
+        room += [] if initial_degC is None else ["--initial-degC", initial_degC]
         files = ["--current", "load.csv", "-o", "v.csv"]
         program("simulate", "cell.json", *files, *start, *room, folder=tmp_path)
         theirs = pd.read_csv(tmp_path / "v.csv", dtype=float)
         low_V, high_V = cell.band(
-            lipoid.Log(given), cells=50, seed=3, initial_voltage_V=4.1, ambient_degC=ambient_degC
+            lipoid.Log(given),
+            cells=50,
+            seed=3,
+            initial_voltage_V=4.1,
+            ambient_degC=ambient_degC,
+            initial_degC=initial_degC,
         )
         rows = len(theirs)  # before the cut-off
         assert rows > len(T) // 4

@@ -550,7 +550,12 @@ def seasons(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"predict_temperature": True}, {"ambient_degC": 12.5, "predict_temperature": True}],
+    [
+        {},
+        {"predict_temperature": True},
+        {"ambient_degC": 12.5, "predict_temperature": True},
+        {"initial_degC": 12.5, "predict_temperature": True},
+    ],
 )
 @pytest.mark.parametrize("series", [1, 3])
 def test_validate_is_as_warm_as_the_program(

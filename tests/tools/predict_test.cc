@@ -137,6 +137,10 @@ TEST(Validate, SaysThatACellKnowsNoTemperature) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.err.find("--ambient-degC: the cell file knows no temperature"), std::string::npos)
       << run.err;
+  const auto first =
+      RunLipoid(folder, {"validate", "gifi-600mAh-1", "logs/cc_2C.csv", "--initial-degC", "40"});
+  EXPECT_NE(first.err.find("--initial-degC: the cell file knows no temperature"), std::string::npos)
+      << first.err;
 }
 
 TEST(Simulate, GivesTheSynthesizedVoltagesBackToTheLastDigit) {
@@ -406,6 +410,13 @@ TEST(Simulate, ACellInTheColdWarmsAndEndsEarlier) {
   EXPECT_LT(cold_rows.size(), warm_rows.size());
   EXPECT_LT(cold_rows[100][2], warm_rows[100][2] - 0.1);
   EXPECT_EQ(run({"--ambient-degC", "-300"}).exit_code, 2);
+  // A pack that was kept warm until it flies in the cold.
+  (void)run({"--ambient-degC", "-15", "--initial-degC", "20"});
+  const auto kept_warm_rows = Numbers(ReadTextFile(folder + "/p.csv"));
+  EXPECT_NEAR(kept_warm_rows[0][5], 20.0, 1e-9);
+  EXPECT_GT(kept_warm_rows[100][2], cold_rows[100][2] + 0.1);
+  EXPECT_LT(kept_warm_rows.back()[5], 20.0);
+  EXPECT_EQ(run({"--initial-degC", "-300"}).exit_code, 2);
 }
 
 TEST(Validate, TakesTheMeasuredTemperatureOrPredictsIt) {
@@ -439,6 +450,15 @@ TEST(Validate, TakesTheMeasuredTemperatureOrPredictsIt) {
   EXPECT_LT(predicted["temperature_rmse_K"].get<double>(), 1e-9);
   const Json warmer = errors({"--predict-temperature", "--ambient-degC", "10"});
   EXPECT_GT(warmer["rmse_V"].get<double>(), 1e-3);
+  const Json from_warmer = errors({"--predict-temperature", "--initial-degC", "10"});
+  EXPECT_GT(from_warmer["rmse_V"].get<double>(), 1e-3);
+  EXPECT_LT(from_warmer["rmse_V"].get<double>(), warmer["rmse_V"].get<double>())
+      << "it cools to the 0 degC of the log's first row";
+  // Where the log has it, that is what counts, and it is said.
+  const auto both =
+      RunLipoid(folder, {"validate", "cold.json", "measured.csv", "--initial-degC", "10"});
+  EXPECT_NE(both.err.find("used in place of --initial-degC"), std::string::npos) << both.err;
+  EXPECT_EQ(errors({"--initial-degC", "10"})["rmse_V"], measured["rmse_V"]);
 }
 
 TEST(Validate, FindsNoErrorInLogsOfTheSameCell) {

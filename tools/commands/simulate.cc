@@ -179,13 +179,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   for (const auto& warning : log.report.warnings) line.Message("{}: {}", current_file, warning);
   const std::size_t rows_of_log = log.report.rows;
   const Surroundings surroundings = surroundings_request.Of(log.record);
-  if (cell.temperature && surroundings_request.ambient_degC &&
-      !surroundings.measured_degC.empty()) {
-    line.Message(
-        "{}: it has temperature_degC, which is used in place of --ambient-degC; --predict-temperature asks "
-        "for the temperature that the cell would have there",
-        current_file);
-  }
+  TellWhatIsMeasured(line, cell, current_file, surroundings_request, surroundings);
   TellWhatIsExtrapolated(line, cell, {&surroundings, 1});
   TellWhatTemperatureMayExplain(line, cell, current_file, surroundings);
   const double initial_soc = start.Soc(cell, surroundings);

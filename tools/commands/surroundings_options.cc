@@ -15,10 +15,29 @@ namespace lipoid {
 void TellWhatSaysNothing(cli::CommandLine& line,
                          const Cell& cell,
                          const SurroundingsRequest& surroundings) {
-  if (cell.temperature || (!surroundings.ambient_degC && !surroundings.predict_temperature)) return;
+  if (cell.temperature) return;
+  const char* given = surroundings.ambient_degC          ? "--ambient-degC"
+                      : surroundings.initial_degC        ? "--initial-degC"
+                      : surroundings.predict_temperature ? "--predict-temperature"
+                                                         : nullptr;
+  if (!given) return;
   line.Message(
       "{}: the cell file knows no temperature (key `temperature`), and predicts the same at any",
-      surroundings.ambient_degC ? "--ambient-degC" : "--predict-temperature");
+      given);
+}
+
+void TellWhatIsMeasured(cli::CommandLine& line,
+                        const Cell& cell,
+                        const std::string& file,
+                        const SurroundingsRequest& asked,
+                        const Surroundings& surroundings) {
+  if (!cell.temperature || surroundings.measured_degC.empty()) return;
+  if (!asked.ambient_degC && !asked.initial_degC) return;
+  line.Message(
+      "{}: it has temperature_degC, which is used in place of {}; --predict-temperature asks "
+      "for the temperature that the cell would have there",
+      file,
+      asked.ambient_degC ? "--ambient-degC" : "--initial-degC");
 }
 
 void TellWhatIsExtrapolated(cli::CommandLine& line,
@@ -32,7 +51,9 @@ void TellWhatIsExtrapolated(cli::CommandLine& line,
   };
   for (const Surroundings& among : all) {
     std::for_each(among.measured_degC.begin(), among.measured_degC.end(), feel);
-    if (among.measured_degC.empty() && among.ambient_degC) feel(*among.ambient_degC);
+    if (!among.measured_degC.empty()) continue;
+    if (among.ambient_degC) feel(*among.ambient_degC);
+    if (among.initial_degC) feel(*among.initial_degC);
   }
   if (coldest_degC > warmest_degC) return;
   const std::string doubt = DoubtAboutTemperature(cell, coldest_degC, warmest_degC);

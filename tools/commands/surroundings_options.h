@@ -16,6 +16,13 @@ void TellWhatSaysNothing(cli::CommandLine& line,
                          const Cell& cell,
                          const SurroundingsRequest& surroundings);
 
+/// A message where a log has the temperature that options say, too.
+void TellWhatIsMeasured(cli::CommandLine& line,
+                        const Cell& cell,
+                        const std::string& file,
+                        const SurroundingsRequest& asked,
+                        const Surroundings& surroundings);
+
 /// A message where the cell was never seen as cold or as warm as it is in one of these.
 void TellWhatIsExtrapolated(cli::CommandLine& line,
                             const Cell& cell,

@@ -75,6 +75,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   std::vector<Surroundings> felt;
   for (auto& loaded : logs) {
     const Surroundings among = felt.emplace_back(surroundings.Of(loaded.log.record));
+    TellWhatIsMeasured(line, cell, loaded.entry.file, surroundings, among);
     const double initial_soc = start.Soc(cell, among);
     Validation validation(one, loaded.log.record.hold, initial_soc);
     if (!loaded.log.report.thinned) {  // every row is there, and one of the cell already
