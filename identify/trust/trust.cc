@@ -23,9 +23,8 @@ namespace {
 // A vector has a part in a direction if that is more than this share of it.
 constexpr double kHasPart = 1e-4;
 // Series that tell what the fit leaves of a component of the noise. With 4 of them, and 12
-// simulations, the chance in them moved the half width of an interval by up to a quarter.
+// simulations, the chance in them moved the half width of an interval by a third.
 constexpr Eigen::Index kSeriesPerComponent = 16;
-constexpr Eigen::Index kComponentsPerBatch = 1;
 // A component of which less is left cannot be seen in the residuals at all.
 constexpr double kSwallowed = 0.05;
 // With fewer degrees of freedom Student's quantile is a statement about its own tails.
@@ -339,64 +338,36 @@ class Assessment {
     return parts;
   }
 
-  // Components of the noise of one log that go through the fit together: the products have few rows
-  // on one side and all those of the log on the other, and cost little more for some more of the
-  // few.
-  struct Batch {
-    std::size_t log;
-    Eigen::Index first, components;
-  };
-  [[nodiscard]] std::vector<Batch> Batches() const {
-    std::vector<Batch> batches;
-    for (std::size_t l = 0; l < models_.size(); ++l) {
-      const Eigen::Index all = models_[l].components();
-      for (Eigen::Index m = 0; m < all; m += kComponentsPerBatch)
-        batches.push_back({l, m, std::min(kComponentsPerBatch, all - m)});
-    }
-    return batches;
-  }
-
-  // The variograms that noise of each component has left when the fit has followed it: from what
-  // they were without a fit, in place. And its squares.
-  void FindDesignsOfResiduals(const Batch& batch,
-                              Eigen::MatrixXd& designs,
-                              Eigen::MatrixXd& parts) const {
-    constexpr Eigen::Index kSeries = kSeriesPerComponent;
-    const CorrelationModel& model = models_[batch.log];
+  // The variogram that noise of one component has left when the fit has followed it: from what it was
+  // without a fit, in place. And its squares.
+  void FindDesignOfResiduals(const Part& part,
+                             Eigen::MatrixXd& designs,
+                             Eigen::MatrixXd& parts) const {
+    const auto [l, m] = part;
+    const CorrelationModel& model = models_[l];
     std::vector<Eigen::MatrixXd> all(logs_.size());
-    Eigen::MatrixXd& noise = all[batch.log];
-    noise.resize(batch.components * kSeries, logs_[batch.log].residual_V.size());
-    for (Eigen::Index m = 0; m < batch.components; ++m) {
-      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(model.components(), batch.first + m);
-      noise.middleRows(m * kSeries, kSeries) =
-          model.Simulate(unit, kSeries, options_.seed, Stream(batch.log, Noise::kOfComponent));
-    }
-    const Eigen::MatrixXd before_each = model.Variogram(noise);
+    Eigen::MatrixXd& noise = all[l];
+    noise = model.Simulate(Eigen::VectorXd::Unit(model.components(), m),
+                           kSeriesPerComponent,
+                           options_.seed,
+                           Stream(l, Noise::kOfComponent));
+    const Eigen::VectorXd before = model.Variogram(noise).rowwise().sum();
     const Eigen::MatrixXd drawn = noise;
     Project(all);
-    const Squares squares = SquaresOf(batch.log, drawn, noise);
-    for (Eigen::Index m = 0; m < batch.components; ++m) {
-      const auto mean = [&](const Eigen::ArrayXd& of) {
-        return of.segment(m * kSeries, kSeries).mean();
-      };
-      parts.col(batch.first + m) << mean(squares.own), mean(squares.left), mean(squares.followed);
+    const Squares squares = SquaresOf(l, drawn, noise);
+    parts.col(m) << squares.own.mean(), squares.left.mean(), squares.followed.mean();
+    const Eigen::VectorXd after = model.Variogram(noise).rowwise().sum();
+    auto design = designs.col(m);
+    const Eigen::Index last = design.size() - 1;
+    if (!(before[last] > 0.0)) return;
+    const double largest = design.maxCoeff();
+    const double mean_square = design[last];
+    // The part that is left, so that the chance of the noise drops out.
+    for (Eigen::Index k = 0; k <= last; ++k) {
+      design[k] = before[k] > 0.0 ? design[k] * after[k] / before[k]
+                                  : mean_square * after[k] / before[last];
     }
-    const Eigen::MatrixXd after_each = model.Variogram(noise);
-    for (Eigen::Index m = 0; m < batch.components; ++m) {
-      auto design = designs.col(batch.first + m);
-      const Eigen::VectorXd before = before_each.middleCols(m * kSeries, kSeries).rowwise().sum();
-      const Eigen::VectorXd after = after_each.middleCols(m * kSeries, kSeries).rowwise().sum();
-      const Eigen::Index last = design.size() - 1;
-      if (!(before[last] > 0.0)) continue;
-      const double largest = design.maxCoeff();
-      const double mean_square = design[last];
-      // The part that is left, so that the chance of the noise drops out.
-      for (Eigen::Index k = 0; k <= last; ++k) {
-        design[k] = before[k] > 0.0 ? design[k] * after[k] / before[k]
-                                    : mean_square * after[k] / before[last];
-      }
-      if (!(design.maxCoeff() > kSwallowed * largest)) design.setZero();
-    }
+    if (!(design.maxCoeff() > kSwallowed * largest)) design.setZero();
   }
 
   // White first, then the one time constant; nothing is to be found, and nothing is uncertain.
@@ -417,10 +388,10 @@ class Assessment {
       designs.push_back(models_.back().design());
       parts_.emplace_back(Eigen::MatrixXd::Zero(3, models_.back().components()));
     }
-    const std::vector<Batch> batches = Batches();
-    ParallelFor(batches.size(), [&](std::size_t k) {
+    const std::vector<Part> parts = Parts();
+    ParallelFor(parts.size(), [&](std::size_t k) {
       StopIfAsked();
-      FindDesignsOfResiduals(batches[k], designs[batches[k].log], parts_[batches[k].log]);
+      FindDesignOfResiduals(parts[k], designs[parts[k].log], parts_[parts[k].log]);
     });
     const Eigen::Index series = options_.simulations;
     std::vector<Eigen::MatrixXd> noise(logs_.size());
