@@ -429,9 +429,12 @@ class Cell:
                 raise OptionError(f"{what}: expected a finite temperature for each row")
             if wrong := _core.impossible_temperature(np.atleast_2d(t), np.atleast_2d(measured)):
                 raise OptionError(f"{what}: temperature_degC: {wrong}")
-        if measured is not None:
-            initial_degC = None
         self._tell_what_says_nothing(ambient_degC, initial_degC)
+        if measured is not None and (ambient_degC, initial_degC) != (None, None):
+            given = "ambient_degC" if ambient_degC is not None else "initial_degC"
+            if self._core.knows_temperature:
+                self._tell(f"the log has temperature_degC, which is used in place of {given}")
+            ambient_degC = initial_degC = None
         for felt in (measured, ambient_degC, initial_degC):
             if felt is not None:
                 lowest, highest = float(np.min(felt)), float(np.max(felt))

@@ -476,6 +476,20 @@ def test_a_cell_that_knows_no_temperature_says_so(caplog: pytest.LogCaptureFixtu
     assert caplog.text == ""
 
 
+def test_what_a_log_measured_counts_and_is_said(caplog: pytest.LogCaptureFixture) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1").with_typical_temperature()
+    log = lipoid.Log(pd.DataFrame({"time_s": T, "current_A": I, "temperature_degC": 25.0}))
+    measured_V = cell.simulate(log).voltage_V
+    assert caplog.text == ""
+    for name, made in (
+        ("ambient_degC", cell.simulate(log, ambient_degC=40.0)),
+        ("initial_degC", cell.simulate(log, initial_degC=40.0)),
+    ):
+        said = f"the log has temperature_degC, which is used in place of {name}"
+        assert said in caplog.text
+        np.testing.assert_array_equal(made.voltage_V, measured_V)
+
+
 def test_temperatures_that_were_never_seen_are_said(caplog: pytest.LogCaptureFixture) -> None:
     given = lipoid.Cell.read("gifi-600mAh-1").with_typical_temperature().to_dict()
     given["temperature"]["seen_degC"] = [10.0, 40.0]
