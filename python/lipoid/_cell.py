@@ -430,10 +430,8 @@ class Cell:
             if wrong := _core.impossible_temperature(np.atleast_2d(t), np.atleast_2d(measured)):
                 raise OptionError(f"{what}: temperature_degC: {wrong}")
         self._tell_what_says_nothing(ambient_degC, initial_degC)
-        if measured is not None and (ambient_degC, initial_degC) != (None, None):
-            given = "ambient_degC" if ambient_degC is not None else "initial_degC"
-            if self._core.knows_temperature:
-                self._tell(f"the log has temperature_degC, which is used in place of {given}")
+        if measured is not None:
+            self._tell(self._in_place_of(ambient_degC, initial_degC))
             ambient_degC = initial_degC = None
         for felt in (measured, ambient_degC, initial_degC):
             if felt is not None:
@@ -448,16 +446,23 @@ class Cell:
                 logger.warning("%s: %s", self.name, doubt)
 
     def _tell_what_says_nothing(
-        self, ambient_degC: float | None, initial_degC: float | None = None
+        self, ambient_degC: float | None, initial_degC: float | None
     ) -> None:
-        given = "ambient_degC" if ambient_degC is not None else "initial_degC"
-        if (ambient_degC, initial_degC) != (None, None) and not self._core.knows_temperature:
+        said = _said(ambient_degC, initial_degC)
+        if said and not self._core.knows_temperature:
             logger.warning(
                 "%s knows no temperature: %s changes nothing; with typical values it is "
                 "cell.with_typical_temperature()",
                 self.name,
-                given,
+                said,
             )
+
+    def _in_place_of(self, ambient_degC: float | None, initial_degC: float | None) -> str:
+        """Say what a log's own temperature replaces, "" where nothing."""
+        said = _said(ambient_degC, initial_degC)
+        if not said or not self._core.knows_temperature:
+            return ""
+        return f"the log has temperature_degC, which is used in place of {said}"
 
     def _tell_what_is_assumed(self, options: Mapping[str, Any], size_factor: float = 1.0) -> None:
         if options.get("ambient_degC") is None:
@@ -568,6 +573,13 @@ class Cell:
             rows.append((name, text))
         body = "".join(f"<tr><th>{a}</th><td>{b}</td></tr>" for a, b in rows)
         return f"<b>{escape(self.name)}</b><table>{body}</table>"
+
+
+def _said(ambient_degC: float | None, initial_degC: float | None) -> str:
+    """Name the keyword that says how warm it is; "": none."""
+    if ambient_degC is not None:
+        return "ambient_degC"
+    return "" if initial_degC is None else "initial_degC"
 
 
 def _known(temperature: Mapping[str, Any]) -> str:

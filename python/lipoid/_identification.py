@@ -288,7 +288,10 @@ def validate(
         "predict_temperature": predict_temperature,
     }
     several = as_logs(logs, "validate: expected at least one log", reading)
+    replaced = "" if predict_temperature else one._in_place_of(ambient_degC, initial_degC)
     for log in several:
+        if replaced and log.temperature_degC is not None:
+            logger.warning("%s: %s", log.file, replaced)
         if log._core.rows_kept != len(log):
             logger.warning(
                 "%s: %s; the errors are of those, and read without most_rows they are of all",

@@ -488,6 +488,14 @@ def test_what_a_log_measured_counts_and_is_said(caplog: pytest.LogCaptureFixture
         said = f"the log has temperature_degC, which is used in place of {name}"
         assert said in caplog.text
         np.testing.assert_array_equal(made.voltage_V, measured_V)
+    frame = pd.DataFrame({"time_s": T, "current_A": I, "voltage_V": measured_V})
+    whole = lipoid.Log(frame[np.isfinite(measured_V)].assign(temperature_degC=25.0))
+    caplog.clear()
+    lipoid.validate(cell, whole, initial_degC=40.0)
+    assert "which is used in place of initial_degC" in caplog.text
+    caplog.clear()
+    lipoid.validate(cell, whole, initial_degC=40.0, predict_temperature=True)
+    assert "in place of" not in caplog.text
 
 
 def test_temperatures_that_were_never_seen_are_said(caplog: pytest.LogCaptureFixture) -> None:

@@ -410,6 +410,9 @@ TEST(Simulate, ACellInTheColdWarmsAndEndsEarlier) {
   EXPECT_LT(cold_rows.size(), warm_rows.size());
   EXPECT_LT(cold_rows[100][2], warm_rows[100][2] - 0.1);
   EXPECT_EQ(run({"--ambient-degC", "-300"}).exit_code, 2);
+  EXPECT_NE(
+      run({"--initial-degC", "20"}).err.find("is predicted in surroundings of 25 degC; --ambient"),
+      std::string::npos);
   // A pack that was kept warm until it flies in the cold.
   (void)run({"--ambient-degC", "-15", "--initial-degC", "20"});
   const auto kept_warm_rows = Numbers(ReadTextFile(folder + "/p.csv"));

@@ -11,16 +11,22 @@
 #include "model/core/special_values.h"
 
 namespace lipoid {
+namespace {
+
+// The option that says how warm it is; nullptr: none.
+const char* Said(const SurroundingsRequest& surroundings) {
+  if (surroundings.ambient_degC) return "--ambient-degC";
+  return surroundings.initial_degC ? "--initial-degC" : nullptr;
+}
+
+}  // namespace
 
 void TellWhatSaysNothing(cli::CommandLine& line,
                          const Cell& cell,
                          const SurroundingsRequest& surroundings) {
-  if (cell.temperature) return;
-  const char* given = surroundings.ambient_degC          ? "--ambient-degC"
-                      : surroundings.initial_degC        ? "--initial-degC"
-                      : surroundings.predict_temperature ? "--predict-temperature"
-                                                         : nullptr;
-  if (!given) return;
+  const char* given = Said(surroundings);
+  if (!given && surroundings.predict_temperature) given = "--predict-temperature";
+  if (cell.temperature || !given) return;
   line.Message(
       "{}: the cell file knows no temperature (key `temperature`), and predicts the same at any",
       given);
@@ -31,13 +37,12 @@ void TellWhatIsMeasured(cli::CommandLine& line,
                         const std::string& file,
                         const SurroundingsRequest& asked,
                         const Surroundings& surroundings) {
-  if (!cell.temperature || surroundings.measured_degC.empty()) return;
-  if (!asked.ambient_degC && !asked.initial_degC) return;
+  if (!cell.temperature || surroundings.measured_degC.empty() || !Said(asked)) return;
   line.Message(
       "{}: it has temperature_degC, which is used in place of {}; --predict-temperature asks "
       "for the temperature that the cell would have there",
       file,
-      asked.ambient_degC ? "--ambient-degC" : "--initial-degC");
+      Said(asked));
 }
 
 void TellWhatIsExtrapolated(cli::CommandLine& line,
@@ -67,8 +72,9 @@ void TellWhatTemperatureMayExplain(cli::CommandLine& line,
   const auto measured_degC = surroundings.measured_degC;
   if (cell.temperature && measured_degC.empty() && !surroundings.ambient_degC) {
     line.Message(
-        "{}: it tells no temperature, and is predicted at {:.3g} degC; --ambient-degC says which it was",
+        "{}: it tells no temperature, and is predicted {} {:.3g} degC; --ambient-degC says which it was",
         file,
+        surroundings.initial_degC ? "in surroundings of" : "at",
         cell.temperature->reference_K - kZeroCelsius_K);
   }
   constexpr double kRoom_degC = kUsual_K - kZeroCelsius_K;  // where cells are mostly identified
