@@ -60,6 +60,7 @@ constexpr Offered kOffered[] = {
     {"validate", "initial-soc"},
     {"validate", "initial-voltage-V"},
     {"validate", "ambient-degC"},
+    {"validate", "initial-degC"},
     {"validate", "predict-temperature"},
     {"validate", "series"},
     {"validate", "parallel"},
