@@ -142,6 +142,9 @@ struct JointChoice {
   /// lines and smoothness do to the parameters shows in the difference. Empty where there are no
   /// tables.
   JointSolution finer;
+  /// The best structure refitted to logs that warmed half as much, where their warming was assumed
+  /// (predicted_temperature.h).
+  JointSolution half_as_warm;
   std::string reason;  ///< where nothing could be compared, or what decided is an extrapolation
 };
 

@@ -72,6 +72,8 @@ Condensation HowToCondense(const Record& record) {
 void FindIntervals(JointLog& log) {
   std::unordered_map<std::int64_t, std::uint32_t> known;
   log.interval.assign(log.size(), 0);
+  log.interval_s.clear();
+  log.interval_K.clear();
   for (std::size_t k = 1; k < log.size(); ++k) {
     const double dt_s = log.time_s[k] - log.time_s[k - 1];
     const double tolerance_s = 4.0 * std::numeric_limits<double>::epsilon() * log.time_s[k];
@@ -92,6 +94,28 @@ void FindIntervals(JointLog& log) {
     }
     log.interval[k] = found->second;
   }
+}
+
+// A temperature changes far more slowly than points follow one another.
+void TakeTemperature(const LoadedLog& loaded, JointLog& log) {
+  const Record& record = loaded.log.record;
+  log.temperature_K.clear();
+  if (!record.temperature_degC.empty()) {
+    std::size_t row = 0;
+    for (const double time_s : log.time_s) {
+      while (row + 1 < record.size() && record.time_s[row + 1] <= time_s) ++row;
+      double degC = record.temperature_degC[row];
+      if (row + 1 < record.size()) {
+        const double share =
+            (time_s - record.time_s[row]) / (record.time_s[row + 1] - record.time_s[row]);
+        if (share > 0.0) degC += share * (record.temperature_degC[row + 1] - degC);
+      }
+      log.temperature_K.push_back(degC + kZeroCelsius_K);
+    }
+  } else if (loaded.entry.ambient_degC) {
+    log.temperature_K.assign(log.size(), *loaded.entry.ambient_degC + kZeroCelsius_K);
+  }
+  FindIntervals(log);
 }
 
 JointLog MakePoints(const LoadedLog& loaded, const JointLogs& all) {
@@ -171,24 +195,7 @@ JointLog MakePoints(const LoadedLog& loaded, const JointLogs& all) {
     if (end_s > log.time_s.back()) add(end_s, piece.current_A, piece.current_A, 0.0, 0.0, place);
   }
 
-  // A temperature changes far more slowly than points follow one another.
-  if (!record.temperature_degC.empty()) {
-    std::size_t row = 0;
-    for (const double time_s : log.time_s) {
-      while (row + 1 < record.size() && record.time_s[row + 1] <= time_s) ++row;
-      double degC = record.temperature_degC[row];
-      if (row + 1 < record.size()) {
-        const double share =
-            (time_s - record.time_s[row]) / (record.time_s[row + 1] - record.time_s[row]);
-        if (share > 0.0) degC += share * (record.temperature_degC[row + 1] - degC);
-      }
-      log.temperature_K.push_back(degC + kZeroCelsius_K);
-    }
-  } else if (loaded.entry.ambient_degC) {
-    log.temperature_K.assign(log.size(), *loaded.entry.ambient_degC + kZeroCelsius_K);
-  }
-
-  FindIntervals(log);
+  TakeTemperature(loaded, log);
   log.noise_V = VoltageNoise(record);
   // Steps of a coarse voltage are scatter, and next to each other mostly none.
   if (free_rows > 0.0) log.scatter_V = std::sqrt(scatter_V2 / free_rows);
@@ -362,6 +369,14 @@ JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
   JointLogs all = MakeJointPoints(logs, only);
   Weigh(all, alpha_C, curve, weights);
   return all;
+}
+
+JointLogs AtTemperaturesOf(const std::vector<LoadedLog>& loaded, JointLogs logs) {
+  auto log = logs.logs.begin();
+  for (const LoadedLog& from : loaded) {
+    if (from.entry.kind != LogKind::kValidation) TakeTemperature(from, *log++);
+  }
+  return logs;
 }
 
 JointLogs MakeJointPoints(const std::vector<LoadedLog>& logs, std::optional<LogKind> only) {

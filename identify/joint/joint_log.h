@@ -141,6 +141,9 @@ void Weigh(JointLogs& logs,
                                       const JointWeights& weights,
                                       std::optional<LogKind> only = {});
 
+/// The points of logs that differ from these in their temperatures alone.
+[[nodiscard]] JointLogs AtTemperaturesOf(const std::vector<LoadedLog>& loaded, JointLogs logs);
+
 /// Whether charge went out and in at low rate: only such logs can disagree by what a sensor adds.
 [[nodiscard]] bool BothWays(const JointLogs& logs);
 

@@ -1206,6 +1206,16 @@ class JointRun {
   JointResult result_;
 };
 
+// The structure that was taken, near its rates, in logs that differ in their temperatures.
+JointSolution RefitTo(const std::vector<LoadedLog>& logs, const JointResult& taken) {
+  const JointLogs points = AtTemperaturesOf(logs, taken.logs);
+  const JointObservations seen(points, taken.setup);
+  const GivenParameters known{.fixed = taken.fixed};
+  const JointFit fit(seen, known);
+  const JointSolution& best = taken.choice.best;
+  return fit.Approach(fit.Solve(best.structure, best.rates, best.smoothness));
+}
+
 }  // namespace
 
 JointResult IdentifyJoint(const Campaign& campaign,
@@ -1223,24 +1233,32 @@ JointResult IdentifyJoint(const Campaign& campaign,
   // The better the cell, the better the temperature that it predicts.
   constexpr int kMostPasses = 3;
   constexpr double kSettled = 0.95;
-  std::string warmed;
+  std::optional<PredictedTemperatures> warmth;  // that was taken, or else the first that was not
+  std::string said;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    const auto warm = PredictTemperatures(taken.cell, logs);
+    auto warm = PredictTemperatures(taken.cell, logs);
     if (!warm) break;
     JointResult next = run(&*warm);
     const double error_V = ErrorOfRows_V(next);
     const double before_V = ErrorOfRows_V(taken);
     next.wall_s += taken.wall_s;
     if (error_V < before_V) {
-      warmed = warm->Predicted();
+      said = warm->Predicted();
       taken = std::move(next);
+      warmth = std::move(warm);
     } else {
       taken.wall_s = next.wall_s;
-      if (warmed.empty()) warmed = warm->NotTaken();
+      if (!warmth) {
+        said = warm->NotTaken();
+        warmth = std::move(warm);
+      }
     }
     if (!(error_V < kSettled * before_V)) break;
   }
-  if (!warmed.empty()) taken.cautions.push_back(std::move(warmed));
+  if (warmth) {
+    taken.cautions.push_back(std::move(said));
+    if (warmth->assumed) taken.choice.half_as_warm = RefitTo(warmth->HalfAsWarm(), taken);
+  }
   if (steady) {
     taken.cautions.push_back(steady->Said());
     taken.counting_C = steady->counting_C;

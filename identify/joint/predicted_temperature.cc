@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "identify/validation.h"
@@ -12,6 +13,9 @@
 
 namespace lipoid {
 namespace {
+
+// What AssessJoint() makes of HalfAsWarm().
+constexpr std::string_view kCounted = ", half of which the intervals count as a standard error";
 
 std::string Said(const PredictedTemperatures& warm, const std::string& what) {
   return fmt::format(
@@ -36,10 +40,11 @@ bool TellsSurroundingsAlone(const LoadedLog& log) {
 }  // namespace
 
 std::string PredictedTemperatures::Predicted() const {
-  return Said(
-      *this,
-      fmt::format(
-          "that of the cell is predicted by {}, up to {:.2g} K above", Balance(*this), most_K));
+  return Said(*this,
+              fmt::format("that of the cell is predicted by {}, up to {:.2g} K above{}",
+                          Balance(*this),
+                          most_K,
+                          assumed ? kCounted : ""));
 }
 
 std::string PredictedTemperatures::NotTaken() const {
@@ -47,9 +52,20 @@ std::string PredictedTemperatures::NotTaken() const {
       *this,
       fmt::format(
           "the cell is taken to be as warm as they are, which fits better than the {:.2g} K by which "
-          "{} would warm it",
+          "{} would warm it{}",
           most_K,
-          Balance(*this)));
+          Balance(*this),
+          assumed ? kCounted : ""));
+}
+
+std::vector<LoadedLog> PredictedTemperatures::HalfAsWarm() const {
+  std::vector<LoadedLog> half = logs;
+  for (LoadedLog& log : half) {
+    if (!log.temperature_predicted) continue;
+    for (double& degC : log.log.record.temperature_degC)
+      degC = 0.5 * (degC + *log.entry.ambient_degC);
+  }
+  return half;
 }
 
 bool TellTemperature(const std::vector<LoadedLog>& logs) {

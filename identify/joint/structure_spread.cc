@@ -146,11 +146,12 @@ Eigen::VectorXd SpreadOverStructures(const JointChoice& choice,
     const double by = std::sqrt(weight) * (value(other) - estimate);
     return std::isfinite(by) ? by : 0.0;
   };
-  Eigen::VectorXd spread(static_cast<Eigen::Index>(choice.tried.size()) + 1);
+  Eigen::VectorXd spread(static_cast<Eigen::Index>(choice.tried.size()) + 2);
   spread[0] = off(choice.finer, 1.0);
+  spread[1] = off(choice.half_as_warm, 1.0);
   for (std::size_t m = 0; m < choice.tried.size(); ++m) {
     const TriedStructure& row = choice.tried[m];
-    spread[static_cast<Eigen::Index>(m) + 1] = off(row.solution, row.weight);
+    spread[static_cast<Eigen::Index>(m) + 2] = off(row.solution, row.weight);
   }
   return spread;
 }

@@ -5,10 +5,11 @@
 /// structures that were tried; had the noise been another one they might have chosen another of
 /// those that predict nearly as well (Buckland, Burnham and Augustin 1997):
 ///
-///   added variance = sum_m w_m (q_m - q)² + (q_fine - q)²
+///   added variance = sum_m w_m (q_m - q)² + (q_fine - q)² + (q_half - q)²
 ///
-/// q is the estimate, q_m that of structure m and w_m its weight (joint_choice.h). The last term is
-/// the error of tables of straight lines against a smooth truth, estimated by halving them. Two
+/// q is the estimate, q_m that of structure m and w_m its weight (joint_choice.h). q_fine - q is the
+/// error of tables of straight lines against a smooth truth, estimated by halving them, and q_half - q
+/// that of a warming that was assumed, estimated by halving it. Two
 /// quantities that differ together have the covariance that products give in place of the squares.
 /// Tests: tests/identify/joint/structure_spread_test.cc.
 

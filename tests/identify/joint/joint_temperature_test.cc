@@ -471,14 +471,19 @@ TEST(JointTemperature, ALogThatTellsItsSurroundingsAloneIsWarmedByTheHeatBalance
                    "of the cell is predicted by its heat balance, up to "));
 }
 
-// A chamber and no thermometer: cells that are as warm as the chamber while they warm by 30 K would have other
-// parameters altogether.
-TEST(JointTemperature, LogsThatAllTellTheirSurroundingsAloneAreWarmedAsATypicalCell) {
-  auto logs = ClimateChamber(ColdTruth(), {25.0, 40.0, 10.0}, kJointNoise_V);
+std::vector<LoadedLog> WithoutThermometer(std::vector<LoadedLog> logs) {
   for (LoadedLog& log : logs) {
     log.entry.ambient_degC = std::round(log.log.record.temperature_degC.front());
     log.log.record.temperature_degC.clear();
   }
+  return logs;
+}
+
+// A chamber and no thermometer: cells that are as warm as the chamber while they warm by 30 K would have other
+// parameters altogether.
+TEST(JointTemperature, LogsThatAllTellTheirSurroundingsAloneAreWarmedAsATypicalCell) {
+  const auto logs =
+      WithoutThermometer(ClimateChamber(ColdTruth(), {25.0, 40.0, 10.0}, kJointNoise_V));
   // The structure of the truth: while the temperatures are still wrong, hundreds of others would fit better.
   const JointResult result =
       IdentifyJoint(test::CampaignOf(logs), logs, {}, {.branches = 1, .resistance_nodes = 1});
@@ -503,6 +508,37 @@ TEST(JointTemperature, LogsThatAllTellTheirSurroundingsAloneAreWarmedAsATypicalC
   ASSERT_FALSE(result.constant_current.empty());
   for (const ConstantCurrentErrors& log : result.constant_current)
     EXPECT_LT(log.error_percent, 2.0) << log.current_A;
+}
+
+// In a fan or in a box a cell warms half as much as a typical one, or twice as much: its intervals know that.
+TEST(JointTemperature, IntervalsCountThatAHeatBalanceWasAssumed) {
+  int missed_without = 0;
+  for (const double warmer : {0.5, 2.0}) {
+    Cell truth = ColdTruth();
+    truth.temperature->heat = TypicalHeat(truth.capacity_Ah);
+    truth.temperature->heat->thermal_resistance_K_per_W *= warmer;
+    const auto logs = WithoutThermometer(ClimateChamber(truth, {25.0, 40.0, 10.0}, kJointNoise_V));
+    JointResult result =
+        IdentifyJoint(test::CampaignOf(logs),
+                      logs,
+                      {},
+                      {.branches = 1, .resistance_nodes = 1, .temperature = Presence::kOn});
+    EXPECT_TRUE(Says(result, "half of which the intervals count as a standard error")) << warmer;
+    const auto missed = [&] {
+      int count = 0;
+      const TrustReport trust = AssessJoint(result);
+      for (const auto& [name, value] : {std::pair{"E_s", 18e3}, {"E_1", 45e3}, {"E_d", 30e3}}) {
+        const QuantityTrust* found = FindQuantity(trust, name);
+        EXPECT_NE(found, nullptr) << name;
+        if (found != nullptr && !(found->low <= value && value <= found->high)) ++count;
+      }
+      return count;
+    };
+    EXPECT_EQ(missed(), 0) << warmer;
+    result.choice.half_as_warm = {};
+    missed_without += missed();
+  }
+  EXPECT_GT(missed_without, 0);
 }
 
 // Where one log is silent temperature takes no part in any.
