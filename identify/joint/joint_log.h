@@ -141,7 +141,8 @@ void Weigh(JointLogs& logs,
                                       const JointWeights& weights,
                                       std::optional<LogKind> only = {});
 
-/// The points of logs that differ from these in their temperatures alone.
+/// The points of logs that differ from these in their temperatures alone. The range of temperatures and where resistances are
+/// told stay those of `logs`.
 [[nodiscard]] JointLogs AtTemperaturesOf(const std::vector<LoadedLog>& loaded, JointLogs logs);
 
 /// Whether charge went out and in at low rate: only such logs can disagree by what a sensor adds.

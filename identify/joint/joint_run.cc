@@ -1207,10 +1207,12 @@ class JointRun {
 };
 
 // The structure that was taken, near its rates, in logs that differ in their temperatures.
-JointSolution RefitTo(const std::vector<LoadedLog>& logs, const JointResult& taken) {
+JointSolution RefitTo(const std::vector<LoadedLog>& logs,
+                      const JointResult& taken,
+                      GivenParameters known) {
   const JointLogs points = AtTemperaturesOf(logs, taken.logs);
   const JointObservations seen(points, taken.setup);
-  const GivenParameters known{.fixed = taken.fixed};
+  known.fixed = taken.fixed;
   const JointFit fit(seen, known);
   const JointSolution& best = taken.choice.best;
   return fit.Approach(fit.Solve(best.structure, best.rates, best.smoothness));
@@ -1257,7 +1259,8 @@ JointResult IdentifyJoint(const Campaign& campaign,
   }
   if (warmth) {
     taken.cautions.push_back(std::move(said));
-    if (warmth->assumed) taken.choice.half_as_warm = RefitTo(warmth->HalfAsWarm(), taken);
+    if (warmth->assumed)
+      taken.choice.half_as_warm = RefitTo(warmth->HalfAsWarm(), taken, given.parameters);
   }
   if (steady) {
     taken.cautions.push_back(steady->Said());

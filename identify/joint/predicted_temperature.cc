@@ -14,7 +14,7 @@
 namespace lipoid {
 namespace {
 
-// What AssessJoint() makes of HalfAsWarm().
+// What becomes of HalfAsWarm() (structure_spread.h).
 constexpr std::string_view kCounted = ", half of which the intervals count as a standard error";
 
 std::string Said(const PredictedTemperatures& warm, const std::string& what) {

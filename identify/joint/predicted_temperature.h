@@ -22,7 +22,7 @@ struct PredictedTemperatures {
   HeatBalance<double> by;
   bool assumed = false;  ///< the balance is a typical one
 
-  /// The logs with half of the rise above their surroundings. A fan, a holder or a box make the thermal resistance
+  /// The logs with half of the rise above their surroundings. A fan, a holder or a box makes the thermal resistance
   /// of a cell a few times smaller or larger than a typical one: half of a rise that rests on it is its standard
   /// deviation.
   [[nodiscard]] std::vector<LoadedLog> HalfAsWarm() const;

@@ -541,6 +541,23 @@ TEST(JointTemperature, IntervalsCountThatAHeatBalanceWasAssumed) {
   EXPECT_GT(missed_without, 0);
 }
 
+// Half as warm, the logs would have a beta beyond these bounds.
+TEST(JointTemperature, TheFitToLogsHalfAsWarmKeepsTheBoundsThatWereGiven) {
+  const auto logs =
+      WithoutThermometer(ClimateChamber(ColdTruth(), {25.0, 40.0, 10.0}, kJointNoise_V));
+  const JointOptions options{.branches = 1, .resistance_nodes = 1};
+  const JointResult free = IdentifyJoint(test::CampaignOf(logs), logs, {}, options);
+  const double found = free.choice.best.rates.beta_per_sqrt_s;
+  const double moved = free.choice.half_as_warm.rates.beta_per_sqrt_s;
+  ASSERT_GT(std::abs(moved - found), 0.01 * found);
+  const double edge = 0.5 * (found + moved);
+  StagedGiven given;
+  given.parameters.bounds["beta"] =
+      moved > found ? std::pair{0.5 * found, edge} : std::pair{edge, 2.0 * found};
+  const JointResult bounded = IdentifyJoint(test::CampaignOf(logs), logs, {}, options, given);
+  EXPECT_NEAR(bounded.choice.half_as_warm.rates.beta_per_sqrt_s, edge, 1e-6 * edge);
+}
+
 // Where one log is silent temperature takes no part in any.
 TEST(JointTemperature, ALogWithoutATemperatureIsNamed) {
   auto logs = ClimateChamber(ColdTruth(), {25.0, 10.0}, kJointNoise_V);
