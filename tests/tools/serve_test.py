@@ -551,6 +551,16 @@ class Bench(unittest.TestCase):
         self.assertEqual(state["files"][0]["status"], "read", state["files"][0])
         self.assertIn('columns = { ', self.serve.get("campaign.toml").decode())
 
+    def test_reads_the_battery_that_it_is_told(self):
+        flights = ROOT / "fixtures" / "flights"
+        self.serve.drop(flights / "log171.bin", flights / "sample_log_small.ulg")
+        self.serve.post("api/change", {"reading": {"battery": "2"}})
+        state = self.serve.inspected()
+        self.assertIn("expected rows of battery 2 as the option battery says", state["files"][0]["error"])
+        (row,) = state["rows"]
+        self.serve.post("api/change", {"tests": {row["key"]: {"kind": "flight"}}})
+        self.assertIn("battery = 2", self.serve.get("campaign.toml").decode())
+
     def test_the_state_is_told_once(self):
         # The end of an inspection would be news between the two.
         _, headers, _ = self.serve.request("GET", "api/state")
@@ -613,6 +623,37 @@ class Jobs(unittest.TestCase):
         self.assertEqual(self.serve.done(checked)["status"], "done")
         self.assertEqual(self.serve.request("DELETE", f"api/jobs/{first}", headers=CHANGES)[0], 200)
         self.assertEqual(self.serve.request("GET", f"jobs/{first}/cell.json")[0], 404)
+
+    def test_validates_with_what_is_set_at_the_logs(self):
+        self.serve.drop(LAB / "low_rate.csv", LAB / "pulse.csv")
+        rows = {row["file"]: row["key"] for row in self.serve.inspected()["rows"]}
+        low, pulse = sorted(rows)
+        asked = {"command": "validate", "cell": "gifi-600mAh-1", "logs": [pulse], "options": []}
+
+        def options_of(job):
+            self.assertEqual(self.serve.done(job)["status"], "done")
+            arguments = json.loads(self.serve.get(f"jobs/{job}/summary.json"))["run"]["arguments"]
+            return [each for each in arguments if re.match("--(initial-soc|ambient-degC|series|parallel)=", each)]
+
+        self.assertEqual(options_of(self.start(**asked)), ["--initial-soc=1"])
+        self.serve.post("api/change", {"tests": {rows[pulse]: {"initial_soc": 0.5, "ambient_degC": 5}}, "cell": {"parallel": 2}})
+        self.serve.inspected()
+        self.assertEqual(options_of(self.start(**asked)),
+                         ["--initial-soc=0.5", "--ambient-degC=5", "--parallel=2"])
+        own = [["initial-soc", "0.9"], ["ambient-degC", "10"], ["parallel", "3"]]
+        self.assertEqual(options_of(self.start(**{**asked, "options": own})),
+                         ["--initial-soc=0.9", "--ambient-degC=10", "--parallel=3"])
+        both = {**asked, "logs": [low, pulse]}
+        status, said = self.serve.post("api/jobs", both)
+        self.assertEqual(status, 409)
+        self.assertIn("these logs do not all start at the same state of charge", said)
+        self.assertIn("set --initial-soc", said)
+        status, said = self.serve.post("api/jobs", {**both, "options": own[:1]})
+        self.assertEqual(status, 409)
+        self.assertIn("these logs do not all have the same temperature of the air", said)
+        self.serve.post("api/change", {"tests": {rows[low]: {"initial_soc": 0.5, "ambient_degC": 5}}})
+        self.assertEqual(options_of(self.start(**both)),
+                         ["--initial-soc=0.5", "--ambient-degC=5", "--parallel=2"])
 
     def test_takes_what_it_offers_and_no_files(self):
         self.serve.drop(LAB / "low_rate.csv", LAB / "pulse.csv")

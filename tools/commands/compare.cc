@@ -202,6 +202,7 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   const PulseTask& task = result.task;
   const Comparison& comparison = result.comparison;
   line.summary() = ComparisonRunToJson(campaign, request, result);
+  line.summary()["messages"] = line.messages();
   const bool diffusion = task.sweep.setup().diffusion;
   if (!csv.empty()) WriteFileAtomically(csv, ComparisonToCsv(comparison, campaign.name, diffusion));
 

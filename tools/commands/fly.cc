@@ -314,6 +314,19 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
       FlyOnEach(setup, plan, drawn.cells, drawn.initial_soc, [&](double fraction) {
         line.progress().Update(fraction, "flying the cells drawn");
       });
+  if (!flight.trim.possible()) {
+    line.Message("{} cannot hover on this battery: {}",
+                 setup.vehicle.name,
+                 flight.trim.power_suffices
+                     ? fmt::format("it would need a duty cycle of {:.4g} at {:.3f} V",
+                                   flight.trim.duty,
+                                   flight.trim.battery_V)
+                     : std::string("it never gives the power"));
+  }
+  line.summary() = FlightToJson(flight);
+  line.summary().update(FlownToJson(setup, maneuver, request));
+  line.summary()["loops"] = StabilityToJson(hovers);
+  line.summary()["messages"] = line.messages();  // but for `doubts` and what is about the log
   if (log) log->Commit();
   if (log && !asked.log_step_s && step_s > kControlStep_s) {
     line.Message("{}: a row each {} s of a long flight; --log-step-s {} writes every control step",
@@ -322,9 +335,6 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                  kControlStep_s);
   }
 
-  line.summary() = FlightToJson(flight);
-  line.summary().update(FlownToJson(setup, maneuver, request));
-  line.summary()["loops"] = StabilityToJson(hovers);
   if (series) line.report_series().push_back(series->Take(output));
   PrintFlight(line, maneuver.name, flight);
   if (ensemble.asked()) {
@@ -335,20 +345,11 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (setup.gains.name == kPlacedGains) line.Message("{}", PlaceGains(setup.vehicle).Brief());
   line.Message("{} on {}, {} gains{}",
                setup.vehicle.name,
-               setup.cell ? (setup.cell->name.empty() ? cell_name : setup.cell->name)
+               setup.cell ? setup.cell->name
                           : fmt::format("an ideal source of {:.3f} V",
                                         setup.xi * setup.vehicle.nominal_voltage_V),
                setup.gains.name,
                setup.controller.compensate ? ", commands compensated for the voltage" : "");
-  if (!flight.trim.possible()) {
-    line.Message("{} cannot hover on this battery: {}",
-                 setup.vehicle.name,
-                 flight.trim.power_suffices
-                     ? fmt::format("it would need a duty cycle of {:.4g} at {:.3f} V",
-                                   flight.trim.duty,
-                                   flight.trim.battery_V)
-                     : std::string("it never gives the power"));
-  }
   const auto doubts = FlightDoubts(setup, plan, flight);
   for (const std::string& doubt : doubts) line.Message("{}", doubt);
   line.summary()["doubts"] = doubts;

@@ -82,6 +82,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
   }
   const HealthReport report = AssessHealth(cell, std::move(logs), options);
   line.summary() = HealthToJson(report);
+  line.summary()["messages"] = line.messages();
   for (const std::string& first : FirstLines(report)) line.Print("{}\n", first);
   if (report.typical && std::isfinite(report.new_capacity_Ah)) {
     line.Print(

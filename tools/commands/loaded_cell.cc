@@ -1,5 +1,7 @@
 #include "tools/commands/loaded_cell.h"
 
+#include <filesystem>
+
 #include "model/battery/cell_file.h"
 #include "model/battery/fit_record.h"
 
@@ -12,6 +14,7 @@ void TellAboutFit(cli::CommandLine& line, const Cell& cell, const std::string& n
 Cell LoadCell(cli::CommandLine& line, const std::string& name_or_file) {
   Cell cell = LoadCell(name_or_file);
   TellAboutFit(line, cell, name_or_file);
+  if (cell.name.empty()) cell.name = std::filesystem::path(name_or_file).stem();
   return cell;
 }
 

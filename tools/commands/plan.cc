@@ -176,6 +176,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
   line.Print("{}\n\n", cli::Wrapped(NoiseSentence(result)));
   line.Print("{}", cli::Bullets("Left out", result.left_out));
   line.summary() = PlanGridToJson(cell, result);
+  line.summary()["messages"] = line.messages();
   return cli::ExitCode::kDone;
 }
 

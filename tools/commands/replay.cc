@@ -45,7 +45,8 @@ Json Comparable(const Json& value) {
     return list;
   }
   if (!value.is_object()) return value;
-  constexpr std::array<std::string_view, 4> kOfTheRun{"commit", "output", "version", "wall_s"};
+  constexpr std::array<std::string_view, 5> kOfTheRun{
+      "commit", "messages", "output", "version", "wall_s"};
   Json object = Json::object();
   for (const auto& [key, member] : value.items()) {
     if (std::find(kOfTheRun.begin(), kOfTheRun.end(), key) == kOfTheRun.end())

@@ -309,7 +309,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
         "the other way round (--current-sign), or how empty the cell begins (--initial-soc)",
         way.reached.overfull());
   }
-  if (line.earlier() == nullptr) line.summary()["messages"] = line.messages();
+  line.summary()["messages"] = line.messages();
   if (ensemble.asked() && way.rows > 0) {
     const Json& of = line.summary()["ensemble"];
     line.Message("95 % of {} cells lie within a band of {:.4f} V on average, {:.4f} V at most",

@@ -116,6 +116,8 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   line.summary()["rows"] = result.rows;
   if (!csv.empty()) WriteFileAtomically(csv, CsvText(result));
   line.Print("{}", TableOf(result, std::string(study.summary)).Text());
+  line.summary()["messages"] = line.messages();
+  line.summary()["remarks"] = result.remarks;
   for (const auto& remark : result.remarks) line.Message("{}", remark);
   const bool converged = result.facts.value("converged", true);
   return converged ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;

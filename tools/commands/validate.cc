@@ -130,6 +130,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
           std::move(starts), "--initial-soc is one for all logs, so validate these one by one");
       !doubts.empty())
     line.Message("{}{}", doubts, one_start ? " (--initial-soc)" : "");
+  if (cell.series > 1) line.Message("voltages are those of one cell of {} in series", cell.series);
   const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0, AlphaOf::kElsewhere);
   for (std::size_t k = 0; k < logs.size() && quality.grade != FitGrade::kGood; ++k)
     TellWhatTemperatureMayExplain(line, cell, logs[k].entry.file, felt[k]);
@@ -137,10 +138,9 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   line.summary()["fit"] = FitToJson(quality);
   line.summary()["edges"] = EdgesToJson(quality.edges);
   line.summary()["logs"] = std::move(rows);
-  const std::string verdict =
-      fmt::format("{} {}",
-                  cell.name.empty() ? cell_name : cell.name,
-                  quality.Sentence(files.size() == 1 ? "this log" : "these logs"));
+  line.summary()["messages"] = line.messages();
+  const std::string verdict = fmt::format(
+      "{} {}", cell.name, quality.Sentence(files.size() == 1 ? "this log" : "these logs"));
   line.Print("{}\n\n{}", cli::Wrapped(verdict), table.Text());
   return cli::ExitCode::kDone;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -83,8 +84,15 @@ Json CellSettings::ToJson() const {
           {"parallel", NullOr(parallel)}};
 }
 
+std::vector<std::string> CellSettings::PackArguments() const {
+  std::vector<std::string> arguments;
+  if (series) arguments.push_back(fmt::format("--series={}", *series));
+  if (parallel) arguments.push_back(fmt::format("--parallel={}", *parallel));
+  return arguments;
+}
+
 void ReadingSettings::Change(const Json& change) {
-  OnlyKeys(change, {"columns", "units", "current_sign", "hold"});
+  OnlyKeys(change, {"columns", "units", "current_sign", "hold", "battery"});
   Json changed = said_;
   for (const auto& [key, value] : change.items()) {
     if (key != "columns") {
@@ -127,8 +135,10 @@ std::vector<std::string> ReadingSettings::Arguments() const {
   std::vector<std::string> arguments;
   for (const Json& column : said_.value("columns", Json::array()))
     arguments.push_back("--columns=" + column.get<std::string>());
-  for (const auto& [key, option] :
-       {std::pair("units", "--units="), {"current_sign", "--current-sign="}, {"hold", "--hold="}}) {
+  for (const auto& [key, option] : {std::pair("units", "--units="),
+                                    {"current_sign", "--current-sign="},
+                                    {"hold", "--hold="},
+                                    {"battery", "--battery="}}) {
     if (const auto value = said_.value(key, ""); !value.empty())
       arguments.push_back(option + value);
   }
@@ -144,6 +154,8 @@ ReadOptions ReadingSettings::Options() const {
   }
   if (const auto units = said_.value("units", ""); !units.empty()) read.units = SplitAt(units, ',');
   read.current_sign = said_.value("current_sign", "");
+  const std::string battery = said_.value("battery", "");
+  std::from_chars(battery.data(), battery.data() + battery.size(), read.battery);  // or 0
   for (const auto& [hold, name] : OptionNames(Hold{})) {
     if (name == said_.value("hold", "")) read.hold = hold;
   }

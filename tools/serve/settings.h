@@ -39,6 +39,8 @@ struct CellSettings {
   /// {"name": ..., "capacity_Ah": ..., "cutoff_V": ..., "series": ..., "parallel": ...}
   void Change(const Json& change);
   [[nodiscard]] Json ToJson() const;
+  /// Of the pack, for `lipoid inspect` and `lipoid validate`.
+  [[nodiscard]] std::vector<std::string> PackArguments() const;
 };
 
 /// What a person says of a test; what is not said is as lipoid finds it.
@@ -54,7 +56,7 @@ struct RowSettings {
 
 class ReadingSettings {
  public:
-  /// {"columns": [...], "units": ..., "current_sign": ..., "hold": ...}
+  /// {"columns": [...], "units": ..., "current_sign": ..., "hold": ..., "battery": ...}
   void Change(const Json& change);
   [[nodiscard]] const Json& ToJson() const { return said_; }
   /// For `lipoid inspect` and `lipoid validate`.

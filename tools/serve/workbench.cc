@@ -281,8 +281,7 @@ std::vector<std::string> Workbench::InspectArguments(const std::vector<int>& ids
   std::vector<std::string> arguments = {"inspect"};
   for (const int id : ids) arguments.push_back(files_.at(id).name);
   arguments.push_back(fmt::format("--summary=../{}", kSummary));
-  if (cell_.series) arguments.push_back(fmt::format("--series={}", *cell_.series));
-  if (cell_.parallel) arguments.push_back(fmt::format("--parallel={}", *cell_.parallel));
+  for (std::string& argument : cell_.PackArguments()) arguments.push_back(std::move(argument));
   for (std::string& argument : reading_.Arguments()) arguments.push_back(std::move(argument));
   return arguments;
 }
@@ -501,6 +500,48 @@ void Workbench::LinkLogs(const std::vector<int>& ids, const std::string& folder)
   }
 }
 
+std::vector<std::string> Workbench::ValidateArguments(const std::vector<int>& ids,
+                                                      const std::vector<std::string>& given) const {
+  std::vector<std::string> arguments;
+  const auto is_given = [&](std::string_view option) {
+    return std::any_of(
+        given.begin(), given.end(), [&](const auto& each) { return each.starts_with(option); });
+  };
+  const auto one_for_all = [&](std::string_view option, std::string_view same, const auto& of) {
+    std::optional<double> value;
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      // Where a file holds several tests, it begins with the first of them.
+      const auto row = std::find_if(
+          rows_.begin(), rows_.end(), [&](const Row& each) { return each.file == ids[k]; });
+      const std::optional<double> said = row == rows_.end() ? std::nullopt : of(*row);
+      if (k > 0 && said != value) {
+        throw HttpError(
+            409,
+            fmt::format("these logs do not all {}, and lipoid validate takes one for all of them: "
+                        "validate those that do, group by group, or set {}",
+                        same,
+                        option));
+      }
+      value = said;
+    }
+    if (value) arguments.push_back(fmt::format("{}={}", option, *value));
+  };
+  if (!is_given("--initial-soc") && !is_given("--initial-voltage-V")) {
+    one_for_all("--initial-soc", "start at the same state of charge", [&](const Row& row) {
+      return std::optional(Said(row).initial_soc.value_or(row.log.initial_soc));
+    });
+  }
+  if (!is_given("--ambient-degC")) {
+    one_for_all("--ambient-degC", "have the same temperature of the air", [&](const Row& row) {
+      return Said(row).ambient_degC;
+    });
+  }
+  for (std::string& argument : cell_.PackArguments()) {
+    if (!is_given(argument.substr(0, argument.find('=')))) arguments.push_back(std::move(argument));
+  }
+  return arguments;
+}
+
 int Workbench::Start(const Json& asked) {
   const JobRequest request = options_.Read(asked);
   const std::string cell_file = request.cell_of ? jobs_->Output(*request.cell_of, "cell.json") : "";
@@ -538,6 +579,8 @@ int Workbench::Start(const Json& asked) {
         plan.arguments.push_back(files_.at(id).name);
       }
       for (std::string& argument : reading_.Arguments())
+        plan.arguments.push_back(std::move(argument));
+      for (std::string& argument : ValidateArguments(plan.files, request.options))
         plan.arguments.push_back(std::move(argument));
       plan.about["logs"] = plan.files.size();
     }

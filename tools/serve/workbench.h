@@ -57,7 +57,7 @@ class Workbench {
   void RemoveFile(int id);
 
   /// What a person changes: {"cell": {"name": ..., "capacity_Ah": ..., "cutoff_V": ..., "series": ...,
-  /// "parallel": ...}, "reading": {"columns": ..., "units": ..., "current_sign": ..., "hold": ...},
+  /// "parallel": ...}, "reading": {"columns": ..., "units": ..., "current_sign": ..., "hold": ..., "battery": ...},
   /// "tests": {"3": {"kind": "pulses", "initial_soc": 0.9, "ambient_degC": 5}}}; each key may be missing, and
   /// null is as lipoid finds it. HttpError where any of it is wrong; then nothing is changed.
   void Change(const Json& change);
@@ -112,6 +112,10 @@ class Workbench {
   [[nodiscard]] std::optional<LogKind> KindOf(const Row& row) const;
   [[nodiscard]] RowSettings Said(const Row& row) const;
   [[nodiscard]] Campaign CampaignNow() const;
+  /// What the page says of these files as options of `lipoid validate`, but for those in `given`: that command takes one
+  /// value for all of its logs. HttpError where they differ.
+  [[nodiscard]] std::vector<std::string> ValidateArguments(
+      const std::vector<int>& ids, const std::vector<std::string>& given) const;
   void LinkLogs(const std::vector<int>& ids, const std::string& folder) const;
 
   std::string folder_;

@@ -82,6 +82,20 @@ class Fly(PageTest):
         self.assertNotIn("Pitch", charts)
         self.assertIn("pitch", page.run("return document.querySelector('.over-time').textContent"))
 
+    def test_says_what_the_command_said(self):
+        printed = self.lipoid("fly", "altitude-steps", "--series", "3", "--duration", "16", "--summary", "pack.json",
+                              "--report", "pack.html")
+        messages = json.loads((self.folder / "pack.json").read_text())["messages"]
+        self.assertIn("is made for 1 cell in series, and this pack has 3", messages[0])
+        self.assertEqual([message for message in messages if message not in printed], [])
+        notices = "return [...document.querySelectorAll('.notice')].map((each) => each.textContent)"
+        shown = self.open("pack.html", **SMALL).run(notices)
+        self.assertEqual([each.removeprefix("Caution: ") for each in shown], messages)
+        # On a page of several flights each says which one it is about.
+        self.lipoid("report", "plain.json", "pack.json", "-o", "two.html")
+        shown = "".join(self.open("two.html", **SMALL).run(notices))
+        self.assertEqual([message for message in messages if f"pack.json: {message}" not in shown], [])
+
     def test_plays_and_pauses(self):
         page = self.open("plain.html", **SMALL)
         self.assertEqual(page.run(TIME), 0)  # less motion is wanted

@@ -140,6 +140,9 @@ class Studies(PageTest):
                 summary, page = self.page("study", study, "logs/campaign.toml")
                 chart = next(chart for chart in page.run(CHARTS) if chart["title"] == title)
                 self.assertEqual(chart["points"], len(summary["rows"]))
+                text = page.run("return document.querySelector('main').textContent")
+                self.assertTrue(summary["remarks"])
+                self.assertEqual([remark for remark in summary["remarks"] if remark not in text], [])
                 drawn = sorted((at, value) for column in chart["data"][1:]
                                for at, value in zip(chart["data"][0], column) if value is not None)
                 rows = sorted((row[x], factor * row[y]) for row in summary["rows"])

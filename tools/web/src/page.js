@@ -1,6 +1,7 @@
 // The page of a report: each result by the view of its command.
 import { resultsOf } from "./data.js";
 import { element, note, notice, section } from "./dom.js";
+import { listOf } from "./numbers.js";
 import { provenance } from "./provenance.js";
 import { HELP } from "./zoom.js";
 
@@ -30,12 +31,17 @@ function articlesOf(results, views) {
 
 const ownRun = (summary) => summary.run;
 
+// What its command said beside its results; of several results, which of them it is about.
+const messagesOf = ({ summary, file }, all) =>
+  listOf(summary.messages).map((text) => (all.length > 1 && file ? `${file}: ${text}` : text));
+
 // What went wrong with one part leaves the others readable.
 function articleOf({ view, shown, failed }, k) {
   const { title, parts } = failed
     ? { title: plain.title, parts: ({ summary }) => [notice("error", summary.error.message)] }
     : view;
   const all = [shown].flat();
+  const [first, ...others] = parts(shown).filter((part) => part !== null);
   const files = all.flatMap(({ file }) => (file ? [file] : []));
   return element(
     "article",
@@ -43,7 +49,9 @@ function articleOf({ view, shown, failed }, k) {
     element("h2", {}, title(shown)),
     files.length > 0 ? note(`From ${files.join(", ")}.`) : null,
     all.flatMap(({ notes }) => notes ?? []).map((text) => notice("warning", text)),
-    ...parts(shown),
+    first,
+    all.flatMap((one) => messagesOf(one, all)).map((text) => notice("warning", text)),
+    ...others,
     ...all.map(({ file, summary }) => provenance((view.run ?? ownRun)(summary), summary.command, all.length > 1 ? file : null)),
   );
 }

@@ -231,10 +231,10 @@ export function LogCards({ state, act }) {
 
 /** How all logs are read, for what lipoid cannot find. */
 export function ReadingForm({ state, act }) {
-  const { columns = [], units = "", current_sign = "", hold = "" } = state.reading;
+  const { columns = [], units = "", current_sign = "", hold = "", battery = "" } = state.reading;
   const change = (key) => (value) => act.change({ reading: { [key]: value } });
   return (
-    <details open={columns.length > 0 || units !== "" || current_sign !== "" || hold !== ""}>
+    <details open={columns.length > 0 || units !== "" || [current_sign, hold, battery].some(Boolean)}>
       <summary>How to read these logs</summary>
       <p class="hint">Only needed where a log is refused and its message asks for one of these.</p>
       <div class="fields">
@@ -270,6 +270,13 @@ export function ReadingForm({ state, act }) {
             ["forward", "until the next row"],
           ]}
           onCommit={change("hold")}
+        />
+        <TextField
+          label="Battery of a flight log (--battery)"
+          hint="its number, where the autopilot watched several"
+          value={battery}
+          placeholder="as found"
+          onCommit={(text) => change("battery")(text.trim())}
         />
       </div>
     </details>

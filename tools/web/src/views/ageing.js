@@ -1,6 +1,6 @@
 // `lipoid ageing`: what changed between cells of several ages.
 import { lineChart } from "../chart.js";
-import { facts, note, notice, section } from "../dom.js";
+import { facts, note, section } from "../dom.js";
 import { baseName, interval, plural } from "../format.js";
 import { listOf, times } from "../numbers.js";
 import { table } from "../table.js";
@@ -45,7 +45,6 @@ export const ageing = {
     const cells = listOf(summary.cells);
     const ages = cells.map(({ file, age }) => age || baseName(file));
     return [
-      ...listOf(summary.messages).map((text) => notice("warning", text)),
       facts([
         ["Cells", plural(cells.length, "cell")],
         ["Compared with", ages[0]],

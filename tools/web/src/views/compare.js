@@ -187,7 +187,8 @@ export const compare = {
     return [
       element("p", { class: "sentence" },
         !best.optimizer ? "No optimizer found a finite cost."
-          : tied.length > 0 ? `A tie: ${[best.optimizer, ...tied].join(", ")} fit equally well, with a cost of ${cost}.`
+          : tied.length > 0 ? `A tie: ${[best.optimizer, ...tied].join(", ")} fit equally well${
+            random ? ", each from its best start, where the table is from the data's start" : ""}, with a cost of ${cost}.`
           : `The best is ${best.optimizer}, with a cost of ${cost}.`),
       best.fit ? judgement(best.fit, "these logs") : null,
       summary.no_answer_because ? notice("error", `${summary.no_answer_because}.`) : null,

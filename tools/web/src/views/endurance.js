@@ -99,7 +99,6 @@ export const endurance = {
     return [
       summary.carries_mission ? sentence(first) : notice("error", first.replace(`${CANNOT}: t`, "T")),
       ...others.map(sentence),
-      ...listOf(summary.messages).map((text) => notice("warning", text)),
       facts([
         ["Vehicle", summary.vehicle],
         ["Battery", `${summary.series}S${summary.parallel}P of ${summary.cell}`],

@@ -1,6 +1,6 @@
 // `lipoid export`: how far another program's battery is from the cell.
 import { lineChart } from "../chart.js";
-import { element, facts, note, notice, section } from "../dom.js";
+import { element, facts, note, section } from "../dom.js";
 import { significant } from "../format.js";
 import { thinnedNote } from "../log_charts.js";
 import { isNumber, listOf, times } from "../numbers.js";
@@ -64,7 +64,6 @@ export const exported = {
     const drawn = series.find(({ kind }) => kind === "export");
     const thinned = drawn ? thinnedNote(drawn) : null;
     return [
-      ...listOf(summary.messages).map((text) => notice("warning", text)),
       facts([
         ["Target", `${summary.target}: ${KINDS[summary.kind] ?? summary.kind}`],
         ["Version of the target", summary.target_version],

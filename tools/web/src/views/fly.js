@@ -171,7 +171,7 @@ export function flyView(stages) {
         const found = series.find(({ kind }) => kind === "flight");
         return found ? [flightOf(summary, found, names[k], k)] : [];
       });
-      const about = [...sentences(summaries, names), results(summaries, names)];
+      const about = [sentences(summaries, names), results(summaries, names)];
       const tables = [
         peaks(summaries, names),
         ...summaries.map((summary, k) => ensemble(summary, names[k])),

@@ -1,6 +1,6 @@
 // `lipoid simulate`: the voltage and the charge of a cell under the current of a log.
 import { lineChart } from "../chart.js";
-import { element, facts, note, notice } from "../dom.js";
+import { element, facts, note } from "../dom.js";
 import { count, duration, significant } from "../format.js";
 import { thinnedNote } from "../log_charts.js";
 import { isNumber, listOf, times } from "../numbers.js";
@@ -39,7 +39,6 @@ export const simulate = {
     const drawn = series.find(({ kind }) => kind === "simulation");
     const thinned = drawn ? thinnedNote(drawn) : null;
     return [
-      ...listOf(summary.messages).map((text) => notice("warning", text)),
       facts([
         ["Current", log?.file],
         ["Rows", log ? `${count(log.rows)} of ${count(log.rows_of_current)}` : null],

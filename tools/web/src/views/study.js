@@ -59,7 +59,6 @@ function ocv(summary, rows) {
   };
   return [
     facts([["Low-rate log", baseName(summary.file ?? "")], ["Charge / C", significant(summary.charge_C)], ["Rows", summary.data_rows]]),
-    note("Held-out rows took no part in the fit: they judge it. The time is that of two fits, without them and with all."),
     chart("Error on held-out rows", "rmse / mV", (row) => times(1e3, row.left_out_rmse_V)),
     columns(
       chart("Error in the fit", "rmse / mV", (row) => times(1e3, row.rmse_V)),
@@ -126,6 +125,6 @@ export const study = {
     const rows = listOf(summary.rows);
     const own = known(summary.study);
     if (!own) return [note(`This page has no charts for the study ${summary.study}.`)];
-    return rows.length > 0 ? own.parts(summary, rows) : [note("The study has no rows.")];
+    return rows.length > 0 ? [...listOf(summary.remarks).map((text) => note(`${text}.`)), ...own.parts(summary, rows)] : [note("The study has no rows.")];
   },
 };

@@ -5,9 +5,10 @@ import { logCharts, thinnedNote } from "../log_charts.js";
 import { table } from "../table.js";
 import { judgement } from "./identify/header.js";
 
-function log(series, k) {
+function log(series, k, all) {
   const thinned = thinnedNote(series);
-  return section(baseName(series.name), thinned ? note(thinned) : null, logCharts(series, { link: `log ${k}` }));
+  const alone = all.filter(({ name }) => baseName(name) === baseName(series.name)).length === 1;
+  return section(alone ? baseName(series.name) : series.name, thinned ? note(thinned) : null, logCharts(series, { link: `log ${k}` }));
 }
 
 const mV = (volts) => (typeof volts === "number" ? 1e3 * volts : null);
