@@ -491,6 +491,15 @@ Identification Identify(const Campaign& campaign,
     if (auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty())
       found.quality.Doubt(std::move(doubt));
   }
+  std::vector<std::string> stuck;
+  for (const LoadedLog& log : logs) {
+    if (!log.log.report.stuck_voltage.empty()) stuck.push_back(log.entry.file);
+  }
+  if (!stuck.empty()) {
+    found.quality.Doubt(fmt::format("the voltage of {} was not measured throughout, as {}",
+                                    fmt::join(stuck, ", "),
+                                    stuck.size() == 1 ? "its warning says" : "their warnings say"));
+  }
   if (found.joint && !found.joint->alpha_doubt.empty())
     found.quality.Doubt(found.joint->alpha_doubt,
                         found.joint->alpha_not_found ? FitGrade::kPoor : FitGrade::kFair);

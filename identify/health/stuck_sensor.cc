@@ -18,22 +18,15 @@ constexpr double kLeastCoherence = 0.5;
 // A voltage that moves less, by the mean square of its changes over that elsewhere, is one under a constant current.
 constexpr double kMoves = 0.02;
 
-using Stretch = std::pair<std::size_t, std::size_t>;
-
-// Of rows that show one value for as long. Rows may be means, and that of equal values is the value up to rounding.
-std::vector<Stretch> StretchesOfOneValue(const Record& record,
-                                         const Column& values,
-                                         double least_s) {
-  constexpr double kRounding = 1e-9;
-  std::vector<Stretch> stretches;
-  for (std::size_t first = 0; first < values.size();) {
-    std::size_t last = first;
-    while (last + 1 < values.size() &&
-           std::abs(values[last + 1] - values[first]) <= kRounding * std::abs(values[first]))
-      ++last;
-    if (record.time_s[last] - record.time_s[first] >= least_s) stretches.emplace_back(first, last);
-    first = last + 1;
-  }
+// Of rows that show one value for as long.
+std::vector<RowStretch> StretchesOfOneValue(const Record& record,
+                                            const Column& values,
+                                            double least_s) {
+  std::vector<RowStretch> stretches;
+  ForEachStretchOfOneValue(values, [&](const RowStretch& stretch) {
+    if (record.time_s[stretch.second] - record.time_s[stretch.first] >= least_s)
+      stretches.push_back(stretch);
+  });
   return stretches;
 }
 
@@ -54,7 +47,7 @@ struct ChangesOf {
 };
 
 ChangesOf FindChanges(const FlightSamples& flight,
-                      const std::vector<Stretch>& stretches,
+                      const std::vector<RowStretch>& stretches,
                       double after_s) {
   const Record& record = flight.record;
   const Eigen::VectorXd current_A =
@@ -100,9 +93,9 @@ double TimeAtEnd(const FlightSamples& flight) {
   rows.pop_back();
   if (rows.size() < kLevels || at_largest < kFrequent * *std::max_element(rows.begin(), rows.end()))
     return 0.0;
-  std::vector<Stretch> stretches = StretchesOfOneValue(record, record.current_A, 0.0);
+  std::vector<RowStretch> stretches = StretchesOfOneValue(record, record.current_A, 0.0);
   std::erase_if(stretches,
-                [&](const Stretch& s) { return record.current_A[s.first] != rising.back(); });
+                [&](const RowStretch& s) { return record.current_A[s.first] != rising.back(); });
   double end_s = 0.0;
   for (const auto& [first, last] : stretches) end_s += record.time_s[last] - record.time_s[first];
   if (stretches.size() < kVisits ||
@@ -121,12 +114,12 @@ double TimeAtEnd(const FlightSamples& flight) {
 
 }  // namespace
 
-std::vector<Stretch> FindStuckVoltage(const FlightSamples& flight) {
+std::vector<RowStretch> FindStuckVoltage(const FlightSamples& flight) {
   constexpr double kLeast_s = 10.0;
   constexpr double kUpdates = 20.0;
   constexpr double kSteps = 3.0;
   const Record& record = flight.record;
-  std::vector<Stretch> stretches = StretchesOfOneValue(
+  std::vector<RowStretch> stretches = StretchesOfOneValue(
       record, record.voltage_V, std::max(kLeast_s, kUpdates * flight.voltage_update_s));
   if (stretches.empty()) return stretches;
   const ChangesOf changes = FindChanges(flight, stretches, 0.0);
@@ -156,7 +149,7 @@ std::string DoubtAboutStuckCurrent(const FlightSamples& flight) {
   constexpr double kUpdates = 10.0;
   constexpr double kFewest = 10.0;  // changes
   constexpr double kNoise = 4.0;  // times what of the voltage is not the current's doing elsewhere
-  const std::vector<Stretch> stretches = StretchesOfOneValue(
+  const std::vector<RowStretch> stretches = StretchesOfOneValue(
       record, record.current_A, kUpdates * std::max(flight.current_update_s, flight.window_s));
   if (stretches.empty()) return "";
   const ChangesOf changes = FindChanges(flight, stretches, flight.lag_s);

@@ -22,6 +22,7 @@
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/spikes.h"
+#include "identify/logs/stuck_voltage.h"
 #include "model/battery/arrhenius.h"
 #include "model/battery/ranges.h"
 #include "model/core/counted.h"
@@ -344,6 +345,7 @@ void SettleTable(Log& log,
 
 // The same for every log: leads, gaps, what is doubtful.
 void FinishLog(Log& log, const ReadOptions& options) {
+  if (!log.report.flight) log.report.stuck_voltage = DoubtAboutStuckVoltage(log.record);
   if (options.lead_resistance_Ohm != 0.0) {
     for (std::size_t k = 0; k < log.record.voltage_V.size(); ++k) {
       log.record.voltage_V[k] += options.lead_resistance_Ohm * log.record.current_A[k];
@@ -382,7 +384,8 @@ void FinishLog(Log& log, const ReadOptions& options) {
     log.report.warnings.push_back(GapsText(gaps) + (recharge ? "" : " unseen") + GapsHint(gaps));
   }
   if (log.report.flight) return;
-  for (const std::string& doubt : {DoubtAboutTime(log.record), DoubtAboutLag(log.record)}) {
+  for (const std::string& doubt :
+       {DoubtAboutTime(log.record), DoubtAboutLag(log.record), log.report.stuck_voltage}) {
     if (!doubt.empty()) log.report.warnings.push_back(doubt);
   }
 }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace lipoid {
@@ -20,6 +21,23 @@ namespace lipoid {
     if (shown[k] != shown[k - 1]) step = std::min(step, std::abs(shown[k] - shown[k - 1]));
   }
   return step;
+}
+
+/// Rows, from the first to the last.
+using RowStretch = std::pair<std::size_t, std::size_t>;
+
+/// Calls act(stretch) for the stretches of rows that show one value, which one after another are all rows. Rows may be means, and that of equal values is the value up to rounding.
+template <class Act>
+void ForEachStretchOfOneValue(std::span<const double> shown, const Act& act) {
+  constexpr double kRounding = 1e-9;
+  for (std::size_t first = 0; first < shown.size();) {
+    std::size_t last = first;
+    while (last + 1 < shown.size() &&
+           std::abs(shown[last + 1] - shown[first]) <= kRounding * std::abs(shown[first]))
+      ++last;
+    act(RowStretch(first, last));
+    first = last + 1;
+  }
 }
 
 /// The values without their steps, as many as there are, and nowhere further than half a step from what the sensor shows. Where it

@@ -196,7 +196,8 @@ auto MembersOf(auto& of) requires std::is_same_v<std::remove_cvref_t<decltype(of
          flight,
          thinned,
          notes,
-         warnings] = of;
+         warnings,
+         stuck_voltage] = of;
   return std::tie(format,
                   column,
                   rows,
@@ -213,7 +214,8 @@ auto MembersOf(auto& of) requires std::is_same_v<std::remove_cvref_t<decltype(of
                   flight,
                   thinned,
                   notes,
-                  warnings);
+                  warnings,
+                  stuck_voltage);
 }
 
 // Bytes of texts: names of files may be anything but UTF-8.

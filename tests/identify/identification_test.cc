@@ -1,5 +1,6 @@
 #include "identify/identification.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -121,6 +122,20 @@ TEST(Identification, TheStagedMethodDoubtsLogsOfSeveralTemperatures) {
   EXPECT_TRUE(
       doubted[0].starts_with("the logs begin between 14 and 25 degC, and the staged method"));
   EXPECT_EQ(reasons(IdentifyMethod::kJoint), std::vector<std::string>{});
+}
+
+// A voltage that was clipped at 4.096 V made beta 0.214 (0.209 to 0.219) of 0.25, "good".
+TEST(Identification, DoubtsLogsWhoseVoltageWasNotMeasured) {
+  auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  logs[0].log.report.stuck_voltage = logs[1].log.report.stuck_voltage = "as reading found";
+  const FitQuality quality =
+      Identify(test::CampaignOf(logs), logs, {.method = IdentifyMethod::kStaged}).quality;
+  EXPECT_EQ(quality.grade, FitGrade::kFair);
+  EXPECT_EQ(quality.reasons,
+            std::vector<std::string>{fmt::format(
+                "the voltage of {}, {} was not measured throughout, as their warnings say",
+                logs[0].entry.file,
+                logs[1].entry.file)});
 }
 
 TEST(Identification, AnEndBeforeConvergenceStandsInTheFirstLine) {

@@ -344,6 +344,26 @@ TEST(TakeLog, MissingTemperaturesAreThoseOfAFile) {
                                       "needs it goes on without"}));
 }
 
+// Also of a log whose voltages get the drop of the leads added, which moves with the current.
+TEST(Log, AVoltageThatWasNotMeasuredIsSaid) {
+  std::string text = kLogHeader;
+  for (int k = 0; k < 400; ++k) {
+    const double current_A = k < 50 ? 0.0 : 2.0;
+    text += fmt::format("{},{},{:.4f}\n",
+                        k,
+                        current_A,
+                        std::min(4.05, 4.2 - 0.03 * current_A - 0.001 * std::max(0, k - 50)));
+  }
+  text += "400,0,3.9\n401,0,3.9\n";
+  for (const double lead_resistance_Ohm : {0.0, 0.01}) {
+    const Log log = ReadOf(text, {.lead_resistance_Ohm = lead_resistance_Ohm});
+    EXPECT_TRUE(log.report.stuck_voltage.starts_with(
+        "the voltage shows 4.05 V from 0 to 140 s, while the current"))
+        << log.report.stuck_voltage;
+    EXPECT_EQ(log.report.warnings, std::vector<std::string>{log.report.stuck_voltage});
+  }
+}
+
 TEST(PlainCsv, ALastNumberThatLacksDigitsOfAFixedFormatIsCut) {
   const std::string text =
       "time_s,current_A,voltage_V\n0,0,4.100\n1,0,4.100\n2,2,4.000\n3,2,3.990\n4,2,3.970";
