@@ -169,10 +169,17 @@ void ChooseWindows(FlightSamples& flight) {
   }
 }
 
-// Rows of a voltage that stood still, but the first of each stretch, tell nothing.
+// Rows of a voltage that stood still, but the first of each stretch, tell nothing; nor does any row at the end of the
+// sensor's range.
 void LeaveOutStuckVoltage(FlightSamples& flight) {
   const Record& record = flight.record;
+  const Extent extent = FindExtent(record.voltage_V);
   for (const auto& [first, last] : FindStuckVoltage(flight)) {
+    const double stuck_V = record.voltage_V[first];
+    if (stuck_V == extent.least || stuck_V == extent.most) {
+      std::erase_if(flight.fresh,
+                    [&](std::size_t row) { return record.voltage_V[row] == stuck_V; });
+    }
     std::erase_if(flight.fresh, [first = first, last = last](std::size_t row) {
       return row > first && row <= last;
     });

@@ -115,12 +115,17 @@ double TimeAtEnd(const FlightSamples& flight) {
 }  // namespace
 
 std::vector<RowStretch> FindStuckVoltage(const FlightSamples& flight) {
-  constexpr double kLeast_s = 10.0;
-  constexpr double kUpdates = 20.0;
   constexpr double kSteps = 3.0;
   const Record& record = flight.record;
-  std::vector<RowStretch> stretches = StretchesOfOneValue(
-      record, record.voltage_V, std::max(kLeast_s, kUpdates * flight.voltage_update_s));
+  const double least_s = std::max(10.0, 20.0 * flight.voltage_update_s);
+  const double least_at_end_s = std::max(2.0, 5.0 * flight.voltage_update_s);
+  const Extent extent = FindExtent(record.voltage_V);
+  std::vector<RowStretch> stretches = StretchesOfOneValue(record, record.voltage_V, least_at_end_s);
+  std::erase_if(stretches, [&](const RowStretch& stretch) {
+    const double shown_V = record.voltage_V[stretch.first];
+    const bool is_end = shown_V == extent.least || shown_V == extent.most;
+    return !is_end && record.time_s[stretch.second] - record.time_s[stretch.first] < least_s;
+  });
   if (stretches.empty()) return stretches;
   const ChangesOf changes = FindChanges(flight, stretches, 0.0);
   const Changes& elsewhere = changes.elsewhere;

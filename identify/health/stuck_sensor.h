@@ -15,9 +15,10 @@
 
 namespace lipoid {
 
-/// Stretches of rows, first to last, over which the voltage stands still for at least 10 s and 20 of its updates
-/// although the current, by the resistance that the flight shows, moves it by three of its least steps from window to
-/// window. For a flight whose windows are chosen; none where voltage and current hardly follow one another.
+/// Stretches of rows, first to last, over which the voltage stands still for at least 10 s and 20 of its updates, or
+/// for 2 s and 5 updates at its largest or least value, where a sensor may be at the end of its range, although the
+/// current, by the resistance that the flight shows, moves it by three of its least steps from window to window. For a
+/// flight whose windows are chosen; none where voltage and current hardly follow one another.
 [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> FindStuckVoltage(
     const FlightSamples& flight);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "tests/support/synthetic_flight.h"
 
@@ -45,6 +46,19 @@ TEST_P(StuckSensors, OfTheVoltageAreLeftOut) {
     EXPECT_TRUE(at_s < 61.0 || at_s > 129.0) << at_s;
   }
   EXPECT_EQ(flight.doubt, "");
+}
+
+// The start of a flight is where a pack is fullest: rows in which the sensor showed less made it start at 77 %, known to 2 %.
+TEST_P(StuckSensors, NoRowOfAVoltageAtTheEndOfItsRangeIsLeft) {
+  Log log = Flown(GetParam());
+  std::vector<double> rising = log.record.voltage_V.ToVector();
+  std::sort(rising.begin(), rising.end());
+  const double end_V = rising[rising.size() * 9 / 10];
+  for (double& voltage_V : log.record.voltage_V) voltage_V = std::min(voltage_V, end_V);
+  const FlightSamples flight = SampleFlight(log);
+  EXPECT_GT(flight.stuck_voltage_s, 2.0);
+  EXPECT_GT(flight.fresh.size(), 100U);
+  for (const std::size_t row : flight.fresh) EXPECT_LT(flight.record.voltage_V[row], end_V) << row;
 }
 
 TEST_P(StuckSensors, OfTheCurrentAreDoubted) {
