@@ -216,9 +216,10 @@ void DoubtTheRest(const ReferenceCell& reference,
   Withdraw("the voltage before the flight is none of such a pack", health);
 }
 
-// A prediction moves as the current makes it, also over a rest and a gap. Where the voltage rises beside it and
+// A prediction moves as the current makes it, also over a rest and a gap. Where the voltage moves beside it and
 // stays there, another charge was plugged in. Rows that are wrong by themselves, and a landing that the voltage shows
-// late, are outweighed by the seconds around them.
+// late, are outweighed by the seconds around them. A fall must come at once and under one current: a pack that is
+// nearly empty falls faster than predicted, too, and a step of the current shows a resistance that is.
 void DoubtThatItIsOneFlight(const FlightSamples& samples,
                             const FlightFit& fit,
                             FlightHealth& health) {
@@ -226,28 +227,47 @@ void DoubtThatItIsOneFlight(const FlightSamples& samples,
   constexpr std::size_t kFewest = 3;
   constexpr double kLeast_V =
       0.1;  // a cell; the logs of single flights in fixtures/ have 0.014 at most
+  constexpr double kAtOnce = 0.7;   // of a fall, from one window to the next but one
+  constexpr double kSteady = 0.05;  // of the largest current
   const Eigen::VectorXd off_V = samples.voltage_V - samples.InWindows(fit.voltage_V, fit.lag_s);
+  const Eigen::VectorXd current_A = samples.InWindows(
+      Eigen::Map<const Eigen::VectorXd>(samples.record.current_A.data(),
+                                        static_cast<Eigen::Index>(samples.record.size())),
+      fit.lag_s);
   const std::size_t windows = samples.windows.size();
   const double window_s = fit.duration_s / static_cast<double>(windows);
   const std::size_t around = std::max(kFewest, static_cast<std::size_t>(kAround_s / window_s));
-  const auto level_V = [&](std::size_t first) {
-    const double* from = off_V.data() + first;
+  const auto level = [&](const Eigen::VectorXd& of, std::size_t first) {
+    const double* from = of.data() + first;
     return Median(std::vector<double>(from, from + around));
   };
   double most_V = 0.0;
   std::size_t at = 0;
+  bool rises = false;
   for (std::size_t w = around; w + around <= windows; ++w) {
-    const double rise_V = level_V(w) - level_V(w - around);
-    if (rise_V <= most_V) continue;
-    most_V = rise_V;
+    const double moved_V = level(off_V, w) - level(off_V, w - around);
+    if (std::abs(moved_V) <= most_V) continue;
+    if (moved_V < 0.0) {
+      const auto k = static_cast<Eigen::Index>(w);
+      const double at_once_V = off_V[k] - off_V[k - 2];
+      const double steady_A = kSteady * samples.largest_A;
+      if (at_once_V > kAtOnce * moved_V ||
+          std::abs(level(current_A, w) - level(current_A, w - around)) > steady_A ||
+          std::abs(current_A[k] - current_A[k - 2]) > steady_A)
+        continue;
+    }
+    most_V = std::abs(moved_V);
     at = w;
+    rises = moved_V > 0.0;
   }
   if (!health.doubted_because.empty() || most_V < kLeast_V) return;
   health.doubted_because = fmt::format(
-      "the voltage rises by {:.2g} V a cell near {:.5g} s, which no current of this log explains: a recharge, or another "
-      "flight or pack, begins there; give the rows before and those after as two files",
+      "the voltage {} by {:.2g} V a cell near {:.5g} s, which no current of this log explains: {}, or another flight or "
+      "pack, begins there; give the rows before and those after as two files",
+      rises ? "rises" : "falls at once",
       most_V,
-      samples.time_s[at]);
+      samples.time_s[at],
+      rises ? "a recharge" : "a contact or a cell that fails");
   Withdraw("the log holds more than one flight", health);
 }
 

@@ -391,12 +391,12 @@ TEST(Health, SaysThatTheReferenceIsNotOfThisSize) {
 }
 
 // A pack of 4/5 of the capacity and 3/2 of the resistance, flown from 25 degC.
-Log FlightOfAnOldPack(const std::string& name) {
+Log FlightOfAnOldPack(const std::string& name, const FlightPlan& plan = {}) {
   Cell cell = WithTypicalTemperature(NewFlightCell());
   cell.diffusion->alpha_C *= 0.8;
   cell.series_resistance_Ohm = 1.5 * cell.series_resistance_Ohm(0.5);
   cell.branches[0].resistance_Ohm = 1.5 * cell.branches[0].resistance_Ohm(0.5);
-  return FlyAndLog(cell, 4, {}, LikePx4(), name).log;
+  return FlyAndLog(cell, 4, plan, LikePx4(), name).log;
 }
 
 FlightHealth HealthOfAnOldPack(const Record& record) {
@@ -445,6 +445,23 @@ TEST(Health, SeesThatAnotherPackWasPluggedIn) {
   }
   // A hole in the rows of one flight is none.
   EXPECT_EQ(HealthOfAnOldPack(Joined(cut, RowsOf(whole, 201.0, 1e9), 1.0)).doubted_because, "");
+}
+
+// A flight on a pack that begins lower than the one before ended gave 1.21 Ah (0.95 to 1.55) of 1.75.
+TEST(Health, SeesThatAnEmptierPackWasPluggedIn) {
+  const Record full = FlightOfAnOldPack("full", {.charge_share = 0.15}).record;
+  const Record lower = FlightOfAnOldPack("lower", {.start_soc = 0.5, .charge_share = 0.3}).record;
+  const FlightHealth health = HealthOfAnOldPack(Joined(full, lower, 0.2));
+  EXPECT_TRUE(health.doubted_because.starts_with("the voltage falls at once by 0."))
+      << health.doubted_because;
+  EXPECT_NE(health.doubted_because.find(
+                "a contact or a cell that fails, or another flight or pack, begins there"),
+            std::string::npos);
+  EXPECT_FALSE(health.capacity_Ah.known());
+  // A pack that is flown empty falls fast, too.
+  EXPECT_EQ(
+      HealthOfAnOldPack(FlightOfAnOldPack("empty", {.charge_share = 0.93}).record).doubted_because,
+      "");
 }
 
 // After 200 s the pack is 20 K warmer than the air, and its resistance half.
