@@ -471,6 +471,19 @@ Identification Identify(const Campaign& campaign,
         one, log.log.record, log.entry.initial_soc, SurroundingsOf(log.log.record, log.entry));
     if (!doubt) continue;
     doubt->file = log.entry.file;
+    // It may be the start of another log that is wrong, by which v_oc(A) was bent.
+    const auto equal = std::find_if(logs.begin(), logs.end(), [&](const LoadedLog& other) {
+      constexpr double kSame_V = 0.01;
+      constexpr double kOther = 0.03;
+      const std::optional<double> rest_V = RestBeforeLoad(other.log.record);
+      return other.entry.kind != LogKind::kFlight && rest_V &&
+             std::abs(*rest_V - doubt->rest_V) <= kSame_V &&
+             std::abs(other.entry.initial_soc - doubt->given) > kOther;
+    });
+    if (equal != logs.end()) {
+      doubt->equal_file = equal->entry.file;
+      doubt->equal_given = equal->entry.initial_soc;
+    }
     starts.push_back(std::move(*doubt));
   }
   if (auto doubts = DoubtsAboutStarts(

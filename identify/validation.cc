@@ -68,6 +68,15 @@ LogErrors Validate(const Cell& cell, const LoadedLog& log) {
 namespace {
 
 std::string Sentence(const StartDoubt& doubt) {
+  if (!doubt.equal_file.empty()) {
+    return fmt::format(
+        "rests at {:.4g} V before its first load, as {} does, and the one starts at a state of charge of {:g} and the "
+        "other at {:g}: one of the two initial_soc is wrong",
+        doubt.rest_V,
+        doubt.equal_file,
+        doubt.given,
+        doubt.equal_given);
+  }
   if (doubt.soc > 1.0) {
     return fmt::format(
         "rests at {:.4g} V before its first load, and v_oc(A) of a full cell is {:.4g} V: look whether the log that "
@@ -86,18 +95,24 @@ std::string Sentence(const StartDoubt& doubt) {
 
 }  // namespace
 
+std::optional<double> RestBeforeLoad(const Record& record) {
+  if (record.size() < 2 || record.voltage_V.empty()) return std::nullopt;
+  const double rest_A = RestThreshold(record);
+  std::size_t rows = 0;
+  while (rows < record.size() && std::abs(record.current_A[rows]) <= rest_A) ++rows;
+  if (rows == 0 || rows == record.size()) return std::nullopt;
+  return record.voltage_V[rows - 1];
+}
+
 std::optional<StartDoubt> DoubtOfStart(const Cell& one,
                                        const Record& record,
                                        double initial_soc,
                                        const Surroundings& surroundings) {
   constexpr double kSoc = 0.03;
   constexpr double kVoltage_V = 0.02;
-  if (record.size() < 2 || record.voltage_V.empty()) return std::nullopt;
-  const double rest_A = RestThreshold(record);
-  std::size_t rows = 0;
-  while (rows < record.size() && std::abs(record.current_A[rows]) <= rest_A) ++rows;
-  if (rows == 0 || rows == record.size()) return std::nullopt;
-  const double rest_V = record.voltage_V[rows - 1];
+  const std::optional<double> rest = RestBeforeLoad(record);
+  if (!rest) return std::nullopt;
+  const double rest_V = *rest;
   const double full_V = VoltageAtRest(one, 1.0, surroundings);
   // Cells that are charged alike rest within some hundredths of a volt of one another.
   constexpr double kBeyondFull_V = 0.04;

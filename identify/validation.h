@@ -79,7 +79,13 @@ struct StartDoubt {
   double soc = 0.0;     ///< of the cell at that voltage; infinite: far above that of a full cell
   double given = 1.0;   ///< the initial_soc
   double full_V = 0.0;  ///< of the full cell
+  std::string equal_file =
+      {};  ///< a log that rests at the same voltage before its first load, of another start
+  double equal_given = 0.0;  ///< its initial_soc
 };
+
+/// The voltage at which a record of one cell rests before its first load; none of one that begins under load.
+[[nodiscard]] std::optional<double> RestBeforeLoad(const Record& record);
 
 /// A log that begins with a rest shows where it starts. Doubted where the cell rests with that voltage at another
 /// state of charge than `initial_soc`, as a prediction begins (rest_voltage.h): none where it agrees within 0.03 of

@@ -1,6 +1,7 @@
 #include "identify/identification.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -136,6 +137,24 @@ TEST(Identification, DoubtsLogsWhoseVoltageWasNotMeasured) {
                 "the voltage of {}, {} was not measured throughout, as their warnings say",
                 logs[0].entry.file,
                 logs[1].entry.file)});
+}
+
+// The right logs were accused of a wrong start of the one that v_oc(A) comes from.
+TEST(Identification, SaysWhichStartsContradictOneAnother) {
+  auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  const auto low = std::find_if(logs.begin(), logs.end(), [](const LoadedLog& log) {
+    return log.entry.kind == LogKind::kLowRate;
+  });
+  ASSERT_NE(low, logs.end());
+  low->entry.initial_soc = 0.85;
+  const auto notes = Identify(test::CampaignOf(logs), logs, {}).log_notes;
+  const std::string said = fmt::format(
+      "V before its first load, as {} does, and the one starts at a state of charge of 1 and the other at 0.85: one of "
+      "the two initial_soc is wrong; the starts of ",
+      low->entry.file);
+  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {
+    return note.find(said) != std::string::npos;
+  })) << fmt::format("{}", fmt::join(notes, "\n"));
 }
 
 TEST(Identification, AnEndBeforeConvergenceStandsInTheFirstLine) {
