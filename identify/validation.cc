@@ -7,10 +7,12 @@
 #include <cmath>
 #include <utility>
 
+#include "identify/logs/plausibility.h"
 #include "identify/logs/segments.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/prediction.h"
 #include "model/battery/rest_voltage.h"
+#include "model/core/counted.h"
 #include "model/core/special_values.h"
 
 namespace lipoid {
@@ -152,6 +154,13 @@ std::string DoubtAboutStart(const Cell& pack, const Record& record, double initi
   if (pack.series > 1 || pack.parallel > 1) {
     Record of_one = record;
     DivideByPack(of_one, pack.series, pack.parallel);
+    if (const int cells = LoggedSeries(of_one, pack.open_circuit_voltage, pack.series);
+        cells != pack.series) {
+      return fmt::format(
+          "has the voltage of {}, not of {} in series: it does not say where these start, and only its current is used",
+          Counted(static_cast<std::size_t>(cells), "cell"),
+          pack.series);
+    }
     Cell one = pack;
     one.series = one.parallel = 1;
     return DoubtAboutStart(one, of_one, initial_soc);

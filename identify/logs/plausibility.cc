@@ -44,6 +44,10 @@ bool LooksExchanged(const Record& record, const Extent& current, const Extent& v
   return current_is_a_voltage && voltage_is_none;
 }
 
+double EmptyVoltage(const OpenCircuitVoltage& curve) {
+  return curve(std::max(0.0, curve.soc_lo()));
+}
+
 // What makes a voltage or a current larger than one cell's, where so many cells were said.
 std::string LargerPack(std::string_view option, int cells) {
   return cells == 1 ? fmt::format("is it a pack (say `{}`)", option)
@@ -291,21 +295,25 @@ std::string DoubtAboutCutoff(double cutoff_V) {
       cutoff_V);
 }
 
-void CheckSeries(const Record& record, const OpenCircuitVoltage& curve, int series) {
+int LoggedSeries(const Record& record, const OpenCircuitVoltage& curve, int series) {
   constexpr double kFarBelow = 0.75;
-  if (series == 1 || record.voltage_V.empty()) return;
-  const double empty_V = curve(std::max(0.0, curve.soc_lo()));
+  if (series == 1 || record.voltage_V.empty()) return series;
   const double most_V = FindExtent(record.voltage_V).most;
-  const int cells = CellsInSeries(most_V * series);
-  if (most_V >= kFarBelow * empty_V || cells >= series) return;
+  if (most_V >= kFarBelow * EmptyVoltage(curve)) return series;
+  return std::min(series, CellsInSeries(most_V * series));
+}
+
+void CheckSeries(const Record& record, const OpenCircuitVoltage& curve, int series) {
+  const int cells = LoggedSeries(record, curve, series);
+  if (cells == series) return;
   throw LoadError(
       {record.file},
       fmt::format("expected the voltage of {} cells in series, whose v_oc(A) is {:.3g} V when "
                   "empty, found {:.3g} V per cell at most; is this log one of {}? Then say "
                   "`series` = {} (--series {})",
                   series,
-                  empty_V,
-                  most_V,
+                  EmptyVoltage(curve),
+                  FindExtent(record.voltage_V).most,
                   cells == 1 ? "a single cell" : fmt::format("{} cells", cells),
                   cells,
                   cells));

@@ -70,7 +70,11 @@ ChargeMoved CheckPlausible(const Record& record,
 /// In a sentence, that a cut-off is that of no empty cell; "" where it may be.
 [[nodiscard]] std::string DoubtAboutCutoff(double cutoff_V);
 
-/// For the same record and the v_oc(A) of its cell: LoadError where every row is so far below the
+/// For the same record and the v_oc(A) of its cell: how many cells in series it is of, which are fewer than `series` where
+/// every row is far below the empty cell.
+[[nodiscard]] int LoggedSeries(const Record& record, const OpenCircuitVoltage& curve, int series);
+
+/// The same as a check: LoadError where every row is so far below the
 /// empty cell that the log is one of fewer cells in series than that.
 void CheckSeries(const Record& record, const OpenCircuitVoltage& curve, int series);
 

@@ -98,6 +98,23 @@ TEST(Validation, SeesThatALogDoesNotStartWhereItIsSaidTo) {
   EXPECT_EQ(DoubtAboutStart(cell, Record{}, 1.0), "");
 }
 
+// Of a pack of two on the log of one cell `simulate` said initial_soc 0.
+TEST(Validation, TheVoltageOfFewerCellsSaysNothingOfAStart) {
+  Cell pack = ChargeCounter();
+  pack.series = 2;
+  Record record;
+  record.time_s = {0, 1, 2, 3};
+  record.current_A = {0, 0, 2, 2};
+  record.voltage_V = {4.0, 4.0, 3.9, 3.9};
+  EXPECT_EQ(
+      DoubtAboutStart(pack, record, 1.0),
+      "has the voltage of 1 cell, not of 2 in series: it does not say where these start, and only its current "
+      "is used");
+  record.voltage_V = {7.0, 7.0, 6.9, 6.9};
+  EXPECT_TRUE(
+      DoubtAboutStart(pack, record, 1.0).starts_with("rests at 3.5 V before its first load"));
+}
+
 // After a discharge this cell rests 30 mV below v_oc(A), and a prediction begins there.
 TEST(Validation, ADoubtOfAStartKnowsHysteresis) {
   Cell cell = ChargeCounter();
