@@ -382,8 +382,16 @@ class Drafting {
     std::erase_if(fast_, [](const Candidate& each) { return !each.entry->left_out.empty(); });
   }
 
-  // A cycler stops all of them at one voltage.
+  // A cycler stops all of them at one voltage. One alone may have been stopped by something else.
   void DoubtEndsApart(const std::vector<Candidate>& discharges, double cutoff_V) {
+    constexpr double kUsualCutoff_V = 3.3;  // or less
+    const double round_V = RoundToDigits(std::round(cutoff_V / kCutoffStep_V) * kCutoffStep_V, 3);
+    if (discharges.size() == 1 && (cutoff_V > kUsualCutoff_V || round_V != cutoff_V)) {
+      draft_.remarks.push_back(fmt::format(
+          "One discharge alone tells the cut-off, and {:.4g} V is no usual one: look it up, for it may have been stopped "
+          "by time or by a person.",
+          cutoff_V));
+    }
     const auto ends_there = [&](const Candidate& each) {
       const Discharge& discharge = *each.inspection->discharge;
       return std::abs(discharge.end_voltage_V - cutoff_V) <= CutoffTolerance(discharge);

@@ -144,8 +144,8 @@ struct LogReport {
   /// What a person should look at before believing the log, one sentence each: spikes that were
   /// dropped, times that look like minutes. Every command that reads the log shows them.
   std::vector<std::string> warnings;
-  std::string
-      stuck_voltage;  ///< of the warnings that of DoubtAboutStuckVoltage(); "" where there is none
+  /// Of the warnings that of DoubtAboutStuckVoltage(); "" where there is none.
+  std::string stuck_voltage;
 
   [[nodiscard]] std::size_t dropped_rows() const {
     return dropped_repeated_times + dropped_unselected + dropped_cut_last_line + dropped_spikes +

@@ -116,7 +116,7 @@ std::string DoubtAboutStuckVoltage(const Record& record) {
   if (first.empty()) return "";
   return fmt::format(
       "{}{}: it was not measured there (a sensor at the end of its range, or one that is not read anew), and these rows "
-      "bend what is found; read a part without them (start_s, end_s)",
+      "bend what is found, unless a part is read without them (start_s, end_s)",
       first,
       others == 0   ? ""
       : others == 1 ? ", and once more"

@@ -165,6 +165,15 @@ std::vector<std::string> FlightDoubts(const FlightSetup& setup,
                                       const FlightPlan& plan,
                                       const FlightResult& flight) {
   std::vector<std::string> doubts;
+  if (!flight.trim.possible()) {
+    doubts.push_back(fmt::format(
+        "{} cannot hover on this battery: {}",
+        setup.vehicle.name,
+        flight.trim.power_suffices ? fmt::format("it would need a duty cycle of {:.4g} at {:.3f} V",
+                                                 flight.trim.duty,
+                                                 flight.trim.battery_V)
+                                   : std::string("it never gives the power")));
+  }
   if (setup.cell) {
     if (setup.ambient_degC)
       doubts.push_back(

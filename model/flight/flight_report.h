@@ -38,7 +38,7 @@ inline constexpr FlightNumber kFlightNumbers[] = {
 
 [[nodiscard]] Json FlightsToJson(std::span<const FlightResult> flights);
 
-/// What is to be doubted of a flight, a sentence each: that the battery was extrapolated beyond what its
+/// What is to be doubted of a flight, a sentence each: that the vehicle cannot hover on this battery; that it was extrapolated beyond what its
 /// logs showed, in temperature or in charge; that a flight of waypoints never had the speed that its
 /// references may have, and why: no leg is long enough for a speed that was asked for, or the tilt does not hold it against the air.
 [[nodiscard]] std::vector<std::string> FlightDoubts(const FlightSetup& setup,

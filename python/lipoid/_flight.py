@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from lipoid._options import FlyOptions
+
+logger = logging.getLogger("lipoid")
 
 
 @dataclass(eq=False, repr=False)
@@ -142,7 +145,8 @@ def fly(
         )
     if one is not None:
         one._tell_what_is_assumed(options)
-        one._tell(*summary["doubts"])
+    for doubt in [*summary["messages"], *summary["doubts"]]:
+        logger.warning("%s: %s", summary["battery"], _core.in_python(doubt))
     return Flight(pd.DataFrame(data), summary, inputs_of(cell, options))
 
 

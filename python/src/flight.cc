@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "identify/pack_request.h"
+#include "model/analysis/before_flight.h"
 #include "model/analysis/placed_gains.h"
-#include "model/analysis/stability.h"
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/stop.h"
@@ -101,6 +101,7 @@ nb::tuple FlyManeuver(const std::string& name,
   Json summary;
   Work(
       [&](const Tell& tell) {
+        const auto hovers = CheckFlightLoops(setup);
         const FlightResult flight = Fly(
             setup,
             plan,
@@ -114,7 +115,8 @@ nb::tuple FlyManeuver(const std::string& name,
         summary = FlightToJson(flight);
         summary.update(FlownToJson(setup, maneuver, made.request));
         summary["doubts"] = FlightDoubts(setup, plan, flight);
-        summary["loops"] = StabilityToJson(CheckFlightLoops(setup));
+        summary["loops"] = StabilityToJson(hovers);
+        summary["messages"] = WarningsBeforeFlight(setup, maneuver, plan, hovers);
       },
       progress,
       threads);

@@ -38,13 +38,35 @@ def test_a_flight_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> Non
     for key in flight.summary:
         if key != "wall_s":
             assert flight.summary[key] == theirs[key], key
-    of_the_run = {"command", "exit_code", "version", "run", "messages", "schema", "seed"}
+    of_the_run = {"command", "exit_code", "version", "run", "schema", "seed"}
     assert set(theirs) - of_the_run == set(flight.summary)
     written = pd.read_csv(tmp_path / "flight.csv", dtype=float, float_precision="round_trip")
     pd.testing.assert_frame_equal(flight.data, written, check_exact=True)
     assert len(flight.plot()) == 4
     assert "square" in repr(flight)
     assert "outcome" in flight._repr_html_()
+
+
+def test_says_before_and_after_a_flight_what_the_program_says(
+    program: Lipoid, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Three cells in series on a vehicle for one, and an ideal source that cannot carry it."""
+    theirs = program("fly", "hover", "--series", 3, folder=tmp_path)
+    flight = lipoid.fly("hover", series=3)
+    assert flight.summary["messages"] == theirs["messages"]
+    assert "is made for 1 cell in series, and this pack has 3" in flight.summary["messages"][0]
+    said = [*theirs["messages"], *theirs["doubts"]]
+    assert len(said) > 1
+    assert caplog.messages == [f"gifi-600mAh-1: {each}" for each in said]
+    caplog.clear()
+    flight = lipoid.fly("altitude-steps", cell=None, xi=0.6, duration=2.0)
+    assert (
+        "ideal source, xi = 0.6: altitude-steps: nothing is asked for within 2 s; give"
+        in caplog.text
+    )
+    assert (
+        "ideal source, xi = 0.6: mambo-thesis cannot hover on this battery: it would" in caplog.text
+    )
 
 
 def test_pack_and_start_are_options_as_of_the_program(program: Lipoid, tmp_path: Path) -> None:

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "identify/pack_request.h"
+#include "model/analysis/before_flight.h"
 #include "model/analysis/placed_gains.h"
-#include "model/analysis/stability.h"
 #include "model/control/gains.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
@@ -247,52 +247,18 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
         "option --set simulation.drag=false: wind and gusts act on the vehicle by its drag alone; leave "
         "it out, or --wind and --gusts");
   }
-  constexpr double kFelt_m_per_s = 1.0;  // at which the hover of an F450 takes half a per cent less
-  if (std::hypot(setup.wind.wind_x_m_per_s, setup.wind.wind_y_m_per_s) >= kFelt_m_per_s) {
-    line.Message(
-        "the rotors are taken to need the power of still air, whatever passes them: lipoid endurance "
-        "--airspeed-m-per-s counts what an airflow saves and costs");
-  }
   request.duration_s = asked.duration_s;
   FlightPlan plan = maneuver.plan(request);
   if (asked.duration_s) plan.duration_s = *asked.duration_s;
-  constexpr double kFelt_m = 10.0;
-  if (const double up_m = plan.Climb_m(); up_m >= kFelt_m) {
-    line.Message(
-        "a climb costs no more than a hover here: the {:.4g} m up of this flight take {:.3g} Wh more of the "
-        "battery at least",
-        up_m,
-        setup.vehicle.mass_kg * kGravity_m_per_s2 * up_m / 3600.0);
-  }
   const double step_s = asked.LogStep_s(plan.duration_s);
-  if (maneuver.changes && plan.commands.size() == 1) {
-    line.Message(
-        "{}: nothing is asked for within {:g} s; give a longer --duration, or earlier times (--set {}.*)",
-        maneuver.name,
-        plan.duration_s,
-        maneuver.name);
-  }
-
-  if (setup.cell) {
-    for (const std::string& doubt : {DoubtAboutPack(setup.vehicle, setup.cell->series),
-                                     DoubtAboutEnergy(setup.vehicle, *setup.cell)}) {
-      if (!doubt.empty()) line.Message("{}", doubt);
-    }
-  }
   EnsembleOption::Drawn drawn;
   if (ensemble.asked())
     drawn =
         ensemble.Draw(line, *setup.cell, cell_name, start, {.ambient_degC = setup.ambient_degC});
 
   const auto hovers = CheckFlightLoops(setup);
-  for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
-  if (!std::all_of(hovers.begin(), hovers.end(), [](const auto& at) { return at.stable(); })) {
-    line.Message("{}",
-                 setup.gains.name == kPlacedGains
-                     ? "gains that keep it stable may be found by lipoid design"
-                     : kPlacedGainsHint);
-  }
-
+  for (const std::string& warning : WarningsBeforeFlight(setup, maneuver, plan, hovers))
+    line.Message("{}", warning);
   if (asked.log_step_s && output.empty() && line.report_file().empty())
     line.Message("--log-step-s is of the flight log: name one (-o flight.csv)");
   std::optional<FlightLogWriter> log;
@@ -314,15 +280,6 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
       FlyOnEach(setup, plan, drawn.cells, drawn.initial_soc, [&](double fraction) {
         line.progress().Update(fraction, "flying the cells drawn");
       });
-  if (!flight.trim.possible()) {
-    line.Message("{} cannot hover on this battery: {}",
-                 setup.vehicle.name,
-                 flight.trim.power_suffices
-                     ? fmt::format("it would need a duty cycle of {:.4g} at {:.3f} V",
-                                   flight.trim.duty,
-                                   flight.trim.battery_V)
-                     : std::string("it never gives the power"));
-  }
   line.summary() = FlightToJson(flight);
   line.summary().update(FlownToJson(setup, maneuver, request));
   line.summary()["loops"] = StabilityToJson(hovers);

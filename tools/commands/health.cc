@@ -77,11 +77,8 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
   options.series = SeriesOfPack(logs, pack.series);
   options.parallel = pack.parallel.value_or(1);
   for (const Log& log : logs) {
-    for (const std::string& warning : log.report.warnings) {
-      if (warning !=
-          log.report.stuck_voltage)  // of which the report says that its rows are left out
-        line.Message("{}: {}", log.record.file, warning);
-    }
+    for (const std::string& warning : log.report.warnings)
+      line.Message("{}: {}", log.record.file, warning);
   }
   const HealthReport report = AssessHealth(cell, std::move(logs), options);
   line.summary() = HealthToJson(report);

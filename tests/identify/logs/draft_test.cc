@@ -154,6 +154,21 @@ TEST(Draft, DoubtsACutOffAtWhichOneDischargeEnds) {
             "cut-off up.");
 }
 
+// The one that is left of discharges that were stopped by time ended at 3.4 V, which became the cut-off.
+TEST(Draft, DoubtsTheUnusualCutOffOfOneDischargeAlone) {
+  const auto remarks_of = [](double end_V) {
+    return DraftCampaign(
+               {Inspected("1c.csv", Falling(4.2, 2.0, 3500.0, end_V))}, "lab", "campaign.toml")
+        .remarks;
+  };
+  EXPECT_EQ(remarks_of(3.0), std::vector<std::string>{});
+  EXPECT_EQ(remarks_of(3.25), std::vector<std::string>{});
+  EXPECT_EQ(remarks_of(3.4),
+            std::vector<std::string>{
+                "One discharge alone tells the cut-off, and 3.4 V is no usual one: look it up, for "
+                "it may have been stopped by time or by a person."});
+}
+
 TEST(Draft, OfTwoLowRateLogsThatShowTheSameOneIsLeftOut) {
   const CampaignDraft draft = DraftCampaign(
       {Ending("lab/a.csv", 0.1, 73000.0, 3.0), Ending("lab/b.csv", 0.1, 73000.0, 3.0)},

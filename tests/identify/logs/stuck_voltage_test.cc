@@ -50,8 +50,8 @@ TEST(StuckVoltage, ASensorAtTheEndOfItsRangeIsSaid) {
         said,
         "the voltage shows 4\\.07 V from 0 to 4\\d\\d s, while the current moves by 2 A, which elsewhere "
         "moves it by [0-9.]+ mV, and once more: it was not measured there \\(a sensor at the end of its "
-        "range, or one that is not read anew\\), and these rows bend what is found; read a part without "
-        "them \\(start_s, end_s\\)"))
+        "range, or one that is not read anew\\), and these rows bend what is found, unless a part is "
+        "read without them \\(start_s, end_s\\)"))
         << said;
   }
 }
