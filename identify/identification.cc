@@ -21,6 +21,7 @@
 #include "identify/logs/unlike_discharges.h"
 #include "identify/stages/staged_profile.h"
 #include "identify/stages/staged_report.h"
+#include "identify/still_temperature.h"
 #include "identify/trust/cell_uncertainty.h"
 #include "identify/trust/trust_report.h"
 #include "identify/validation.h"
@@ -528,6 +529,8 @@ Identification Identify(const Campaign& campaign,
   }
   NoteOnOtherLogs(found);
   NoteOnToldTemperatures(found, logs);
+  if (auto doubt = DoubtAboutStillTemperatures(found.cell, logs); !doubt.empty())
+    found.log_notes.push_back(std::move(doubt));
   if (auto doubt = DoubtAboutDischarges(FullDischarges(found, logs)); !doubt.empty())
     found.log_notes.push_back(std::move(doubt));
   return found;
