@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "identify/comparison/comparison_cautions.h"
 #include "model/core/parallel.h"
 #include "model/statistics/order_statistics.h"
 
@@ -57,9 +58,9 @@ const Improvement* Reached(const OptimizationSummary& summary, double cost) {
 }
 
 // Searches stop short of a bound by little. A branch of a thousandth of what the data show is none either.
+constexpr double kNoBranch = 1e-3;
 bool AtBound(const PulseVariable& variable, double value, double start) {
   constexpr double kNear = 1e-6;
-  constexpr double kNoBranch = 1e-3;
   const double near = kNear * std::max(std::abs(value), std::abs(start));
   const double no_branch = variable.kind == PulseVariable::Kind::kResistance
                                ? kNoBranch * (start - variable.lower)
@@ -100,8 +101,12 @@ Comparison CompareOptimizers(const VoltageSweep& sweep,
     result.summary = optimizer->Minimize(p, p.Point(unknowns.start), settings);
     result.parameters = p.Parameters(result.summary.x);
     for (const PulseVariable& v : p.variables()) {
-      if (AtBound(v, Entry(result.parameters, v), Entry(unknowns.start, v)))
-        result.at_bound.push_back(v.name);
+      const double found = Entry(result.parameters, v);
+      const double start = Entry(unknowns.start, v);
+      if (!AtBound(v, found, start)) continue;
+      result.at_bound.push_back(v.name);
+      if (v.kind == PulseVariable::Kind::kResistance && found <= kNoBranch * start)
+        result.gone.push_back(v.branch);
     }
     result.errors = sweep.Errors(result.parameters.sweep);
     ++done;
@@ -183,6 +188,16 @@ Comparison CompareOptimizers(const VoltageSweep& sweep,
   ErrorMetrics errors;
   if (best != comparison.runs.end()) errors = sweep.Errors(best->parameters.sweep).metrics;
   comparison.best_fit = JudgeErrors(errors.rmse, errors.mean_error_percent);
+  if (WhyNoAnswer(comparison).empty()) return comparison;
+  // To have come to what is no answer is no success.
+  for (ComparisonRun& run : comparison.runs) run.reached = false;
+  for (OptimizerComparison& result : comparison.results) {
+    result.successes = 0;
+    result.time_to_target_s = result.evaluations_to_target =
+        std::numeric_limits<double>::quiet_NaN();
+    result.reached_s.clear();
+    result.reached_evaluations.clear();
+  }
   return comparison;
 }
 

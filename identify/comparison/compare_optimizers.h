@@ -54,6 +54,7 @@ struct OptimizerComparison {
   OptimizationSummary summary;  ///< from the data's start
   PulseParameters parameters;
   std::vector<std::string> at_bound;  ///< parameters that ended at a bound of the problem
+  std::vector<std::size_t> gone;      ///< branches, from 0, whose resistance ended as none
   SweepErrors errors;                 ///< over all rows
   double gap = std::numeric_limits<double>::quiet_NaN();        ///< cost / best cost - 1
   int starts = 0;                                               ///< random ones, or 1: the data's

@@ -74,8 +74,7 @@ std::string SlowBranches(const PulseTask& task, const Comparison& comparison) {
 bool IsOfNoBranch(const OptimizerComparison& result, const PulseVariable& v) {
   if (v.kind != PulseVariable::Kind::kCapacitance && v.kind != PulseVariable::Kind::kTimeConstant)
     return false;
-  return std::count(
-             result.at_bound.begin(), result.at_bound.end(), fmt::format("r_{}", v.branch + 1)) > 0;
+  return std::count(result.gone.begin(), result.gone.end(), v.branch) > 0;
 }
 
 std::string WhyNoAnswer(const Comparison& comparison) {

@@ -12,7 +12,7 @@
 
 namespace lipoid {
 
-/// Whether v is the capacitance or time constant of a branch whose resistance went to its bound: nothing tells it.
+/// Whether v is the capacitance or time constant of a branch whose resistance went to none: nothing tells it.
 [[nodiscard]] bool IsOfNoBranch(const OptimizerComparison& result, const PulseVariable& v);
 
 /// Why the best of the runs is no answer: it was stopped before it ended, or fits poorly; "" where it is one.

@@ -236,6 +236,13 @@ LinearizedFit Linearize(const Observations& seen,
   all.penalty = Eigen::MatrixXd::Zero(all.Linear(layout.size()), all.Linear(layout.size()));
   all.penalty.bottomRightCorner(layout.size(), layout.size()) = nodes;
   Quantities(all, solution, known, searched, seen.scales(), axis).Fill();
+  // What was ruled out is in no interval.
+  for (TrustedQuantity& q : all.quantities) {
+    const auto bounds = known.Bounds(q.name.substr(0, q.name.find('(')));
+    if (!bounds) continue;
+    q.lower = std::max(q.lower, std::min(bounds->first, q.value));
+    q.upper = std::min(q.upper, std::max(bounds->second, q.value));
+  }
   return all;
 }
 

@@ -55,12 +55,18 @@ JointStructure Coarsen(JointStructure structure) {
   return structure;
 }
 
-std::vector<std::string> AtBound(const std::vector<JointRate>& searched, JointRates rates) {
+// The ends of what is searched are where the logs show nothing any more, and a search stops short of them. A bound that
+// was given may lie beside what the logs know.
+std::vector<std::string> AtBound(const std::vector<JointRate>& searched,
+                                 const GivenParameters& known,
+                                 JointRates rates) {
   constexpr double kNear = 1.001;
+  constexpr double kNearGiven = 1.0 + 1e-6;
   std::vector<std::string> names;
   for (const JointRate& rate : searched) {
     const double value = rate.In(rates);
-    if (value <= rate.lower * kNear || value >= rate.upper / kNear) names.push_back(rate.name);
+    const double near = known.Bounds(rate.name) ? kNearGiven : kNear;
+    if (value <= rate.lower * near || value >= rate.upper / near) names.push_back(rate.name);
   }
   return names;
 }
@@ -409,7 +415,7 @@ JointSolution JointFit::Solve(const JointStructure& structure,
   Eigen::MatrixXd information;
   JointSolution solution = SolveSums(structure, rates, smoothness, all, guess, &information);
   const std::vector<JointRate> searched = Rates(structure);
-  solution.at_bound = AtBound(searched, rates);
+  solution.at_bound = AtBound(searched, known_, rates);
   if (slopes == nullptr || solution.x.size() == 0) return solution;
 
   SlopeSums sums = rows->Slopes(structure, rates, solution.x);

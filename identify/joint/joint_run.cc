@@ -124,6 +124,7 @@ class JointRun {
       if (!for_staged.alpha_C) for_staged.alpha_C = given_.reference->cell.alpha_C();
     }
     result_.fixed = known_.fixed;
+    result_.bounds = known_.bounds;
     starts_alike_ = CommonStart(logs_).has_value();
     result_.start_soc = CommonStart(logs_).value_or(1.0);
     for (const LoadedLog& log : logs_) {

@@ -12,6 +12,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identify/constant_current_validation.h"
@@ -44,10 +45,11 @@ struct JointResult {
   /// For standard errors: what the fit saw, with the final capacity reference.
   JointLogs logs;
   JointSetup setup;
-  std::map<std::string, double> fixed;  ///< what the user held
-  std::optional<HeatFit> heat;          ///< none: the temperature of the cell is not predicted
-  CutoffPoint cutoff;      ///< among the nodes of v_oc; found only where it fixed alpha
-  double start_soc = 1.0;  ///< of all logs, where they start alike
+  std::map<std::string, double> fixed;                      ///< what the user held
+  std::map<std::string, std::pair<double, double>> bounds;  ///< and what the user allowed
+  std::optional<HeatFit> heat;  ///< none: the temperature of the cell is not predicted
+  CutoffPoint cutoff;           ///< among the nodes of v_oc; found only where it fixed alpha
+  double start_soc = 1.0;       ///< of all logs, where they start alike
   /// Whether a v_oc(A) that is held is that of these logs.
   std::optional<CurveMove> held_curve = {};
   /// What one of these logs delivered before its voltage was below the cut-off, over start_soc: alpha

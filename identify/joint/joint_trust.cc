@@ -124,7 +124,8 @@ std::vector<double> BesideTheFit(const JointResult& result,
 TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) {
   const JointSolution& best = result.choice.best;
   const JointObservations seen(result.logs, result.setup);
-  const LinearizedFit fit = Linearize(seen, best, {.fixed = result.fixed}, result.Axis());
+  const LinearizedFit fit =
+      Linearize(seen, best, {.fixed = result.fixed, .bounds = result.bounds}, result.Axis());
   std::vector<TrustedQuantity> quantities = fit.quantities;
   if (JointLayout(best.structure).tables() > 1) quantities.push_back(Total(result, fit));
   for (TrustedQuantity& q : quantities) {

@@ -69,6 +69,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   const bool diffusion = sweep.setup().diffusion;
   CheckGiven(given, FitParameterNames(diffusion, options.branches));
   PulseFitResult result;
+  result.bounds = given.bounds;
   GivenParameters known = given;
   if (diffusion && start.hold_beta) known.fixed.try_emplace("beta", start.beta_per_sqrt_s);
   for (const std::string& name : FitParameterNames(diffusion, options.branches)) {

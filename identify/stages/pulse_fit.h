@@ -13,7 +13,9 @@
 /// holds r_j = tau_j/c_j. Tests: tests/identify/stages/pulse_fit_test.cc.
 
 #include <limits>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identify/joint/joint_fit.h"
@@ -59,9 +61,10 @@ struct PulseFitResult {
   std::string message;                             ///< why that ended
   int evaluations = 0;                             ///< of the sweep over all rows
   int starts = 0;                                  ///< compared on the coarse view
-  std::vector<std::string> at_bound;   ///< names; r_j: the branch is gone, or merged into r_s
-  std::vector<std::string> fixed;      ///< names that were held
-  ErrorMetrics errors;                 ///< over all rows, (4.56)-(4.58)
+  std::vector<std::string> at_bound;  ///< names; r_j: the branch is gone, or merged into r_s
+  std::vector<std::string> fixed;     ///< names that were held
+  std::map<std::string, std::pair<double, double>> bounds;  ///< that were given
+  ErrorMetrics errors;                                      ///< over all rows, (4.56)-(4.58)
   std::size_t rows_outside_curve = 0;  ///< rows whose A lies outside the range of v_oc(A)
   double wall_s = 0.0;
 };

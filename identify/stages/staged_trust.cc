@@ -10,7 +10,7 @@ TrustReport AssessStaged(const VoltageSweep& sweep,
                          const PulseFitResult& fit,
                          const std::optional<DischargeTimesResult>& times,
                          const TrustOptions& how) {
-  GivenParameters known;
+  GivenParameters known{.bounds = fit.bounds};
   for (const std::string& name : fit.fixed) known.fixed[name] = 0.0;  // no matter at what
   const LinearizedFit at = Linearize(sweep, fit.solution, known);
   TrustOptions options = how;

@@ -157,6 +157,29 @@ TEST(Identification, SaysWhichStartsContradictOneAnother) {
   })) << fmt::format("{}", fmt::join(notes, "\n"));
 }
 
+// A bound within a thousandth of the estimate, but several standard errors away, made it "at-bound"; and intervals went
+// on beyond bounds.
+TEST(Identification, ABoundBesideAnEstimateIsTheEndOfItsIntervalAlone) {
+  const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  for (const IdentifyMethod method : {IdentifyMethod::kStaged, IdentifyMethod::kJoint}) {
+    const auto beta = [&](const std::map<std::string, std::pair<double, double>>& bounds) {
+      IdentifyOptions options{.method = method};
+      options.given.parameters.bounds = bounds;
+      return *FindQuantity(Identify(test::CampaignOf(logs), logs, options).trust, "beta");
+    };
+    const QuantityTrust open = beta({});
+    const double bound = open.estimate + 0.5 * open.standard_error;
+    EXPECT_GT(bound, (1.0 + 5e-6) * open.estimate);  // a search stops within a millionth
+    const QuantityTrust beside = beta({{"beta", {0.5 * open.estimate, bound}}});
+    EXPECT_NE(beside.verdict, Verdict::kAtBound);
+    EXPECT_NEAR(beside.estimate, open.estimate, 0.49 * open.standard_error);
+    EXPECT_EQ(beside.high, bound);
+    EXPECT_LT(beside.low, open.estimate);
+    EXPECT_EQ(beta({{"beta", {0.5 * open.estimate, 0.97 * open.estimate}}}).verdict,
+              Verdict::kAtBound);
+  }
+}
+
 TEST(Identification, AnEndBeforeConvergenceStandsInTheFirstLine) {
   const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
   IdentifyOptions options{.method = IdentifyMethod::kStaged};

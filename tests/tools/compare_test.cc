@@ -1,4 +1,5 @@
 // lipoid compare, end to end: synthesized logs whose truth is known.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -335,6 +336,11 @@ TEST(Compare, TheBestOfARunThatIsWrongByAVoltIsNoSuccess) {
   EXPECT_EQ(run.exit_code, 1);
   const Json fit = ReadJson(folder, "s.json").at("best").at("fit");
   EXPECT_EQ(fit.at("verdict"), "poor");
+  const Json result = ReadJson(folder, "s.json").at("results")[0];
+  EXPECT_EQ(result.at("successes"), 0);
+  EXPECT_EQ(result.at("success_rate"), 0.0);
+  EXPECT_EQ(result.at("time_to_target_s"), nullptr);
+  EXPECT_NE(run.out.find("levenberg-marquardt      0/1"), std::string::npos) << run.out;
   EXPECT_GT(fit.at("rmse_V"), 1.0);
   EXPECT_NE(OnOneLine(run.err).find("the best fit of this run predicts these logs to"),
             std::string::npos)
@@ -392,6 +398,22 @@ TEST(Compare, SaysWhichBranchIsSlowerThanTheLogsCanShow) {
 }
 
 // gifi-600mAh-1 as it is has next to no branch.
+// A resistance at a bound of its own, which is not 0, has a branch: its capacitance was hidden.
+TEST(Compare, ABranchAtABoundOfItsOwnHasACapacitance) {
+  const auto folder = TestFolder();
+  SynthesizeExactLogs(folder);
+  const auto run = RunLipoid(
+      folder, Compare({"--optimizers", "levenberg-marquardt", "--bounds", "r_1=0.001,0.02"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json result = ReadJson(folder, "s.json").at("results")[0];
+  EXPECT_NEAR(result.at("parameters").at("r_1").get<double>(), 0.02, 1e-6);
+  const double c_1 = result.at("parameters").at("c_1");
+  const std::string line = run.out.substr(run.out.rfind("\nlevenberg-marquardt") + 1);
+  EXPECT_NE(line.substr(0, line.find('\n')).find(fmt::format("{:.4g}", c_1).substr(0, 4)),
+            std::string::npos)
+      << run.out;
+}
+
 TEST(Compare, ABranchWithoutResistanceHasNoCapacitanceInTheTable) {
   const auto folder = TestFolder();
   ASSERT_EQ(
