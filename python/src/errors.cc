@@ -32,8 +32,10 @@ std::string InDictionary(const std::string& pairs) {
 }
 
 // Messages name options as one types them on the command line: --low-rate, --series 4, --units s,A,V,
-// --columns time_s=1 current_A=2.
-std::string InPython(const std::string& message) {
+// --columns time_s=1 current_A=2, --set square.* for the options of a maneuver.
+std::string InPython(const std::string& of_command) {
+  static const std::regex maneuver("--set [a-z-]+\\.\\*");
+  const std::string message = std::regex_replace(of_command, maneuver, "maneuver_options");
   static const std::regex option(
       "--([A-Za-z][A-Za-z-]*)(?:"
       "((?: [A-Za-z_][A-Za-z_0-9]*=(?:[0-9][0-9.e+-]*(?:,[0-9a-z][0-9a-z.+-]*)?|\"[^\"]*\"|[A-Z]+(?:,[A-Z]+)?))+)|"  // pairs

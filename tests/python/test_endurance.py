@@ -205,7 +205,9 @@ def test_what_is_assumed_of_the_temperature_is_said_as_by_the_program(
     lipoid.fly("hover", cell="gifi-600mAh-1", duration=0.1, ambient_degC=5.0)
     lipoid.synthesize("gifi-600mAh-1", ambient_degC=[25.0], rates_C=[2.0])
     said = "gifi-600mAh-1 knows no temperature: typical values about 25 degC are assumed, "
-    assert [message.startswith(said) for message in caplog.messages] == [True, True]
+    # Beside it the flight says that loops ring where the battery is nearly empty.
+    begun = [message for message in caplog.messages if " loop rings at " not in message]
+    assert [message.startswith(said) for message in begun] == [True, True]
     caplog.clear()
     warm = lipoid.Cell.read("gifi-600mAh-1").with_typical_temperature()
     lipoid.endurance(warm, vehicle="mambo-physical", ambient_degC=5)

@@ -135,6 +135,7 @@ def help_of(command: str) -> dict[str, str]:
         ("--fix r_1=1e-3 and --start tau_1=5", 'fix={"r_1": 1e-3} and start={"tau_1": 5}'),
         ("--columns time_s=1 current_A=2", 'columns={"time_s": 1, "current_A": 2}'),
         ("say --units s,mA,V, or --series 4", 'say units="s,mA,V", or series=4'),
+        ("or earlier times (--set altitude-steps.*)", "or earlier times (maneuver_options)"),
     ],
 )
 def test_messages_name_options_as_one_types_them_here(of_command: str, of_python: str) -> None:
