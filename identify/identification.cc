@@ -507,9 +507,8 @@ Identification Identify(const Campaign& campaign,
   }
   std::vector<std::string> stuck;
   for (const LoadedLog& log : logs) {
-    const bool fitted =
-        log.entry.kind != LogKind::kFlight && log.entry.kind != LogKind::kValidation;
-    if (fitted && !log.log.report.stuck_voltage.empty()) stuck.push_back(log.entry.file);
+    if (TakesPartInLabFit(log.entry.kind) && !log.log.report.stuck_voltage.empty())
+      stuck.push_back(log.entry.file);
   }
   if (!stuck.empty()) {
     found.quality.Doubt(fmt::format("the voltage of {} was not measured throughout, as {}",

@@ -42,9 +42,7 @@ std::string DoubtAboutStillTemperatures(const Cell& cell, const std::vector<Load
   one.temperature->heat = TypicalHeat(one.alpha_C() / 3600.0);
   std::vector<std::string> still;
   for (const LoadedLog& log : logs) {
-    const bool fitted =
-        log.entry.kind != LogKind::kFlight && log.entry.kind != LogKind::kValidation;
-    if (!fitted || log.log.record.temperature_degC.empty()) continue;
+    if (!TakesPartInLabFit(log.entry.kind) || log.log.record.temperature_degC.empty()) continue;
     const Extent extent = FindExtent(log.log.record.temperature_degC);
     const double moved_K = extent.most - extent.least;
     if (moved_K > kMost_K) continue;

@@ -18,9 +18,6 @@ std::string Name(double after_s) { return fmt::format("R({})", after_s); }
 // The state of charge moves during the test, and with it the resistances: steps are no longer than this.
 constexpr double kLongestStep_s = 0.5;
 
-// The next is a hundred times as fast as the first beyond ten.
-constexpr int kFineModes = 100;
-
 // The test as a log: at rest first, then a point after each time. Points on the way have no weight, and
 // no row.
 JointLogs TestOf(const JointRates& rates,
@@ -99,19 +96,6 @@ std::vector<double> PulseResistancesOf(const JointSolution& solution,
   for (Eigen::Index k = 1; k < drops.residual_V.size(); ++k)
     found_Ohm.push_back(drops.residual_V[k] / question.current_A);
   return found_Ohm;
-}
-
-std::vector<double> LeftOfFastModes(const JointSolution& solution,
-                                    const JointSetup& setup,
-                                    double typical_A,
-                                    const PulseQuestion& question) {
-  std::vector<double> left_Ohm = PulseResistancesOf(solution, setup, typical_A, question);
-  JointSetup finer = setup;
-  finer.terms = std::max(setup.terms, kFineModes);
-  const auto fine_Ohm = PulseResistancesOf(solution, finer, typical_A, question);
-  for (std::size_t k = 0; k < left_Ohm.size(); ++k)
-    left_Ohm[k] = setup.tail ? std::abs(left_Ohm[k] - fine_Ohm[k]) : 0.0;
-  return left_Ohm;
 }
 
 std::vector<NamedCombination> PulseResistancesIn(const LinearizedFit& fit,

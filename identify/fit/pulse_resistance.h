@@ -32,13 +32,6 @@ struct PulseQuestion {
                                                      double typical_A,
                                                      const PulseQuestion& question);
 
-/// What is left, after so long, of modes of the diffusion that count by their steady value (4.46), as
-/// resistances in the order of after_s: rows that are no faster than these modes do not tell it from r_s.
-[[nodiscard]] std::vector<double> LeftOfFastModes(const JointSolution& solution,
-                                                  const JointSetup& setup,
-                                                  double typical_A,
-                                                  const PulseQuestion& question);
-
 /// The same as combinations of the parameters of a linearized fit, for TrustOptions::drawn.
 [[nodiscard]] std::vector<NamedCombination> PulseResistancesIn(const LinearizedFit& fit,
                                                                const JointSolution& solution,

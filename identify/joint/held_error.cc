@@ -29,33 +29,24 @@ JointRates Moved(const JointResult& result, const HeldShape& held, const HeldSha
 
 }  // namespace
 
-HeldError FindHeldError(const JointResult& result,
-                        const LinearizedFit& fit,
-                        const PulseQuestion& question) {
+void AddHeldError(const JointResult& result, const PulseQuestion& question, FollowedMoves& moves) {
   const JointSolution& best = result.choice.best;
   const HeldShape* held = result.setup.held.get();
-  if (held == nullptr || !held->cell.uncertainty || best.x.size() == 0) return {};
+  if (held == nullptr || !held->cell.uncertainty || best.x.size() == 0) return;
   HeldShape around = *held;
   const std::map<std::string, double> rates = held->Rates();
   around.cell.uncertainty = UncertaintyAmong(held->cell, [&](const std::string& name) {
     return name == "alpha" || name.starts_with("v_oc[") || rates.contains(name);
   });
-  if (around.cell.uncertainty->parameters.empty()) return {};
+  if (around.cell.uncertainty->parameters.empty()) return;
   const UncertainCell uncertain(around.cell);
   constexpr double kOfNote = 1e-3;  // of a single parameter's variance
-  const Eigen::MatrixXd moves = PrincipalMoves(uncertain, kOfNote);
+  const Eigen::MatrixXd principal = PrincipalMoves(uncertain, kOfNote);
 
-  const auto p = fit.penalty.rows();
-  Eigen::MatrixXd square = fit.penalty;
-  for (const FittedRows& log : fit.logs)
-    square += log.sensitivity.transpose() * log.weight.asDiagonal() * log.sensitivity;
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(p, moves.cols());
-  const std::vector<double> found_Ohm =
-      PulseResistancesOf(best, result.setup, result.logs.typical_A, question);
-  HeldError error;
-  error.of_resistances.resize(static_cast<Eigen::Index>(found_Ohm.size()), moves.cols());
-  for (Eigen::Index m = 0; m < moves.cols(); ++m) {
-    Eigen::VectorXd at = uncertain.estimate() + moves.col(m);
+  const double typical_A = result.logs.typical_A;
+  const auto found_Ohm = PulseResistancesOf(best, result.setup, typical_A, question);
+  for (Eigen::Index m = 0; m < principal.cols(); ++m) {
+    Eigen::VectorXd at = uncertain.estimate() + principal.col(m);
     uncertain.MoveIntoRange(at);
     HeldShape moved = *held;
     moved.cell = uncertain.At(at);
@@ -63,20 +54,11 @@ HeldError FindHeldError(const JointResult& result,
     setup.open_circuit_voltage = moved.cell.open_circuit_voltage;
     JointSolution with = best;
     with.rates = Moved(result, *held, moved);
-    const std::vector<double> moved_Ohm =
-        PulseResistancesOf(with, setup, result.logs.typical_A, question);
-    for (std::size_t k = 0; k < moved_Ohm.size(); ++k)
-      error.of_resistances(static_cast<Eigen::Index>(k), m) = moved_Ohm[k] - found_Ohm[k];
-    const std::vector<FittedRows> rows =
-        JointObservations(result.logs, setup).Rows(with.structure, with.rates, with.x);
-    for (std::size_t l = 0; l < rows.size(); ++l) {
-      const FittedRows& log = fit.logs[l];
-      right.col(m) += log.sensitivity.transpose() *
-                      log.weight.cwiseProduct(rows[l].residual_V - log.residual_V);
-    }
+    auto moved_Ohm = PulseResistancesOf(with, setup, typical_A, question);
+    for (std::size_t k = 0; k < moved_Ohm.size(); ++k) moved_Ohm[k] -= found_Ohm[k];
+    moves.Add(JointObservations(result.logs, setup).Rows(with.structure, with.rates, with.x),
+              moved_Ohm);
   }
-  error.of_parameters = StepsOf(std::move(square), std::move(right), fit.held);
-  return error;
 }
 
 }  // namespace lipoid

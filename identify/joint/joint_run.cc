@@ -870,8 +870,8 @@ class JointRun {
       say.push_back(
           name == "beta" && given_.parameters.Bounds("beta")
               ? fmt::format(
-                    "beta is at the limit that --bounds gives it, {:.3g} s^-1/2: these logs would be fitted better "
-                    "beyond it",
+                    "beta is at the limit that --bounds gives it, {:.6g} s^-1/2: these logs would be fitted as well "
+                    "or better beyond it",
                     best.rates.beta_per_sqrt_s)
           : name == "beta"
               ? fmt::format(
@@ -886,8 +886,9 @@ class JointRun {
     if (!result_.logs.several_currents && !looked_for && !given_.reference) {
       say.push_back(fmt::format(
           "low rates aside, all loads of these logs are of about {:.3g} A: charge transfer and "
-          "self-heating, which only several currents show, are not looked for, and a load of another "
-          "current is an extrapolation",
+          "self-heating, which only several currents show, are not looked for, a load of another "
+          "current is an extrapolation, and nothing here tests whether the model is right: the intervals take it as "
+          "right",
           result_.logs.typical_A));
     }
     if (!result_.alpha_doubt.empty()) say.push_back(result_.alpha_doubt);
@@ -1059,7 +1060,7 @@ class JointRun {
     const double wanted = std::ceil(1.0 / (diffusion->beta_per_sqrt_s * std::sqrt(0.5 * within_s)));
     result_.cautions.push_back(fmt::format(
         "diffusion is counted in {} modes, and the next, of {:.2g} s, is slower than {}: what is left of it stands "
-        "in {}; --set pulses.terms={} would tell",
+        "in {}, and is counted in the intervals; --set pulses.terms={} would tell",
         diffusion->terms,
         slowest_s,
         seen ? fmt::format("the rows, every {:.2g} s", rows_s)

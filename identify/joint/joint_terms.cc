@@ -200,6 +200,7 @@ std::vector<JointRate> AllRates(const JointStructure& structure,
                      .slot = slots.alpha(),
                      .start = setup.alpha_C,
                      .unit = kFine,
+                     .origin = about_C,
                      .grid = GeometricGrid(setup.alpha_C / (setup.held ? kAgedGrid : kAlphaGrid),
                                            setup.alpha_C * kAlphaGrid,
                                            setup.held ? 2 * kAlphas : kAlphas)});

@@ -35,6 +35,9 @@ struct JointRate {
   double start;
   bool logarithm = true;
   double unit = 1.0;
+  /// Of a logarithm the value at the coordinate 0: searches take a step as small beside the size of all coordinates,
+  /// which one of a small unit and far from 0 would make large.
+  double origin = 1.0;
   /// Where a search begins of whose neighbour it is not known; empty: at the start alone.
   std::vector<double> grid = {};
   /// The parameters of the cell that it is; empty: the one of its name.
@@ -42,10 +45,10 @@ struct JointRate {
 
   [[nodiscard]] double& In(JointRates& rates) const { return *entry(rates, index); }
   [[nodiscard]] double Coordinate(double value) const {
-    return (logarithm ? std::log(value) : value) / unit;
+    return (logarithm ? std::log(value / origin) : value) / unit;
   }
   [[nodiscard]] double Value(double coordinate) const {
-    return logarithm ? std::exp(coordinate * unit) : coordinate * unit;
+    return logarithm ? origin * std::exp(coordinate * unit) : coordinate * unit;
   }
   /// Slope of the value in the coordinate.
   [[nodiscard]] double Slope(double value) const { return logarithm ? value * unit : unit; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "identify/fit/fast_modes.h"
 #include "identify/fit/pulse_resistance.h"
 #include "identify/joint/held_error.h"
 #include "identify/joint/joint_drawn.h"
@@ -107,18 +108,6 @@ std::vector<double> ByAlpha(const JointResult& result, const TrustReport& report
   return moved_Ohm;
 }
 
-// And what the fast modes leave.
-std::vector<double> BesideTheFit(const JointResult& result,
-                                 const TrustReport& report,
-                                 const PulseQuestion& question) {
-  std::vector<double> beside_Ohm =
-      LeftOfFastModes(result.choice.best, result.setup, result.logs.typical_A, question);
-  const std::vector<double> moved_Ohm = ByAlpha(result, report);
-  for (std::size_t k = 0; k < moved_Ohm.size(); ++k)
-    beside_Ohm[k] = std::hypot(beside_Ohm[k], moved_Ohm[k]);
-  return beside_Ohm;
-}
-
 }  // namespace
 
 TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) {
@@ -149,26 +138,22 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
     pulses[k].added_spread =
         SpreadOverStructures(result.choice, [&](const auto& in) { return resistances(in)[k]; });
   }
-  // Columns are moves that all have in common: those of what is held come first, then those of each.
-  const HeldError by_held = FindHeldError(result, fit, question);
-  const auto count = [](const Eigen::VectorXd& held, Eigen::VectorXd& added_spread) {
-    const Eigen::VectorXd own = added_spread;
-    added_spread.resize(held.size() + own.size());
-    added_spread << held, own;
-  };
-  if (const Eigen::MatrixXd& moves = by_held.of_parameters; moves.cols() > 0) {
-    for (TrustedQuantity& q : quantities) count(moves.transpose() * q.combination, q.added_spread);
-    for (NamedCombination& one : with_held.drawn)
-      count(moves.transpose() * one.combination, one.added_spread);
-    for (std::size_t k = 0; k < pulses.size(); ++k) {
-      count(moves.transpose() * pulses[k].combination +
-                by_held.of_resistances.row(static_cast<Eigen::Index>(k)).transpose(),
-            pulses[k].added_spread);
-    }
-  }
+  FollowedMoves moves(fit);
+  AddHeldError(result, question, moves);
+  AddFastModes(
+      fit,
+      best,
+      result.setup,
+      result.logs.typical_A,
+      question,
+      [&](const JointSetup& finer) {
+        return JointObservations(result.logs, finer).Rows(best.structure, best.rates, best.x);
+      },
+      moves);
+  moves.CountIn(quantities, with_held.drawn, pulses);
   with_held.drawn.insert(with_held.drawn.end(), pulses.begin(), pulses.end());
   TrustReport report = AssessTrust(fit.logs, fit.penalty, quantities, with_held);
-  TakePulseResistances(resistances(best), question, report, BesideTheFit(result, report, question));
+  TakePulseResistances(resistances(best), question, report, ByAlpha(result, report));
   return report;
 }
 

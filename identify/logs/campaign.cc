@@ -10,6 +10,7 @@
 
 #include "identify/logs/campaign_request.h"
 #include "model/battery/ranges.h"
+#include "model/core/foreign_text.h"
 #include "model/core/json.h"
 #include "model/core/toml_reader.h"
 
@@ -178,8 +179,8 @@ std::size_t Campaign::Count(LogKind kind) const {
 }
 
 bool Campaign::OnlyFlights() const {
-  return Count(LogKind::kFlight) > 0 && std::all_of(logs.begin(), logs.end(), [](const auto& log) {
-           return log.kind == LogKind::kFlight || log.kind == LogKind::kValidation;
+  return Count(LogKind::kFlight) > 0 && std::none_of(logs.begin(), logs.end(), [](const auto& log) {
+           return TakesPartInLabFit(log.kind);
          });
 }
 
@@ -252,7 +253,30 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
   return campaign;
 }
 
-Campaign ReadCampaign(const std::string& file) { return ParseCampaign(ReadTextFile(file), file); }
+Campaign ReadCampaign(const std::string& file) {
+  if (std::error_code none; fs::is_directory(file, none)) {
+    const std::string inside = (fs::path(file) / "campaign.toml").string();
+    throw LoadError(
+        {file},
+        "expected a campaign, found a folder; " +
+            (fs::exists(inside, none)
+                 ? fmt::format("its campaign is {}", ForeignText(inside))
+                 : fmt::format("lipoid inspect {} --write-campaign {} drafts one of its logs",
+                               ForeignText(file),
+                               ForeignText(inside))));
+  }
+  const std::string text = ReadTextFile(file);
+  if (fs::path(file).extension() == ".toml") return ParseCampaign(text, file);
+  try {
+    return ParseCampaign(text, file);
+  } catch (const LoadError& error) {
+    std::vector<Diagnostic> problems = error.diagnostics();
+    problems.back().message += fmt::format(
+        ". If this is a log, lipoid inspect {} --write-campaign campaign.toml drafts a campaign",
+        ForeignText(file));
+    throw LoadError(std::move(problems));
+  }
+}
 
 std::string CampaignLogToToml(const CampaignLog& log) {
   std::string text = fmt::format("[[log]]\nkind = \"{}\"\nfile = {}\n",

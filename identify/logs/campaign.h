@@ -29,6 +29,11 @@ constexpr std::array<std::pair<LogKind, std::string_view>, 6> OptionNames(LogKin
            {LogKind::kValidation, "validation"}}};
 }
 
+/// Whether the fit of lab logs sees logs of this kind.
+constexpr bool TakesPartInLabFit(LogKind kind) {
+  return kind != LogKind::kFlight && kind != LogKind::kValidation;
+}
+
 struct CampaignLog {
   LogKind kind = LogKind::kConstantCurrent;
   std::string file;         ///< as written, for reports

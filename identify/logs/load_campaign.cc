@@ -17,6 +17,7 @@
 #include "identify/logs/read_logs.h"
 #include "identify/logs/segments.h"
 #include "identify/logs/staircase.h"
+#include "identify/logs/thermometer_noise.h"
 #include "identify/logs/thinning.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
@@ -76,9 +77,7 @@ void CheckCutoff(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
   double highest_V = 0.0;
   for (const LoadedLog& log : logs) {
     const auto& voltage_V = log.log.record.voltage_V;
-    if (log.entry.kind == LogKind::kValidation || log.entry.kind == LogKind::kFlight ||
-        voltage_V.empty())
-      continue;
+    if (!TakesPartInLabFit(log.entry.kind) || voltage_V.empty()) continue;
     // Most logs begin above it, and long ones need not be read again.
     highest_V = std::max(
         highest_V,
@@ -179,12 +178,22 @@ std::string DoubtAboutTemperature(const CampaignLog& entry, const Record& record
       fahrenheit ? in_header() : "look which of the two is right");
 }
 
-// A thermometer of whole degrees, by its steps, moves resistances to and fro by more than any noise, and a fit
-// finds terms that follow it.
+// A thermometer that wavers, or of whole degrees, moves resistances to and fro by more than the voltage is off, and a
+// fit finds terms that follow it, or are deaf to it.
 void SmoothTemperature(Log& log) {
   constexpr double kCoarse_K = 0.4;
   Record& record = log.record;
   const auto& shown = record.temperature_degC;
+  constexpr double kNoisy_K = 0.02;
+  constexpr double kMostNoise_K = 1.0;  // more is of rows that are too far apart to tell
+  if (const double noise_K = ThermometerNoise(shown);
+      noise_K >= kNoisy_K && noise_K <= kMostNoise_K) {
+    record.temperature_degC = WithoutThermometerNoise(record.time_s, shown, noise_K);
+    log.report.warnings.push_back(fmt::format(
+        "its temperature wavers by {:.2g} degC from row to row, and the course of the rows around each is taken",
+        noise_K));
+    return;
+  }
   const double step_K = StepOf(shown);
   if (!(step_K >= kCoarse_K) || std::isinf(step_K)) return;
   std::size_t kept = 0;  // rows that show what the one before did

@@ -291,9 +291,49 @@ void DropRowsOfSpikes(Log& log,
   log.report.rows -= spikes.size();
 }
 
+// Before the cell is put in and after it is taken out there is nothing to fit.
+void DropRowsWithoutCell(Log& log, std::vector<std::int8_t>& directions) {
+  Record& record = log.record;
+  const RowsWithoutCell found = FindRowsWithoutCell(record);
+  const std::size_t size = record.size();
+  const auto say = [&](std::size_t rows, std::size_t outer, std::size_t inner, bool at_end) {
+    if (rows == 0) return;
+    const std::string seen =
+        fmt::format("{:.4g} V at rest {} {:.10g} s beside {:.4g} V, as where {}",
+                    std::as_const(record.voltage_V)[outer],
+                    at_end ? "from" : "up to",
+                    std::as_const(record.time_s)[outer],
+                    std::as_const(record.voltage_V)[inner],
+                    at_end ? "the cell is taken out before the logger stops"
+                           : "the logger starts without the cell");
+    log.report.warnings.push_back(log.report.thinned
+                                      ? fmt::format("{}; {} = {:.10g} leaves these rows out",
+                                                    seen,
+                                                    at_end ? "end_s" : "start_s",
+                                                    std::as_const(record.time_s)[inner])
+                                      : fmt::format("{} dropped at the {}: {}",
+                                                    Counted(rows, "row"),
+                                                    at_end ? "end" : "start",
+                                                    seen));
+  };
+  say(found.first, found.first - 1, found.first, false);
+  say(found.last, size - found.last, size - found.last - 1, true);
+  if (log.report.thinned) return;
+  std::vector<std::size_t> rows;
+  for (std::size_t k = 0; k < size; ++k) {
+    if (k < found.first || k >= size - found.last) rows.push_back(k);
+  }
+  if (rows.empty()) return;
+  DropRows(record, rows);
+  DropRows(directions, rows);
+  log.report.dropped_spikes += rows.size();
+  log.report.rows -= rows.size();
+}
+
 // A reading that failed would be fitted like any other. A small spike of the current shows once a larger
 // one is gone.
 void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
+  DropRowsWithoutCell(log, directions);
   DropRowsOfSpikes(log, directions, FindSpikes(log.record), false);
   constexpr int kSizes = 3;
   for (int n = 0; n < kSizes; ++n) {
@@ -324,8 +364,11 @@ void AddNotes(const TextSource& source,
   note(collector.unix_clock(), "times are counted from the first row");
   if (const auto order = reader.found_date_order()) {
     note(true,
-         fmt::format("dates such as 03/04/2021 are read with the {} first, as they say themselves",
-                     *order == DateOrder::kMonthFirst ? "month" : "day"));
+         *order == DateOrder::kShortYearFirst
+             ? "dates such as 21/04/03 are read with the year first, as they say themselves"
+             : fmt::format(
+                   "dates such as 03/04/2021 are read with the {} first, as they say themselves",
+                   *order == DateOrder::kMonthFirst ? "month" : "day"));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "identify/logs/columns.h"
@@ -117,7 +118,47 @@ double OhmsOfSteps(const Record& record, double range_A, const std::vector<std::
   return ohms.empty() ? kNaN : Median(std::move(ohms));
 }
 
+// Of one end: how many rows. `inward(k)` is the row that is k rows from it.
+template <class Inward>
+std::size_t WithoutCell(const Record& record, double largest_A, const Inward& inward) {
+  constexpr double kRest = 1e-3;  // of the largest current
+  // A charge that ends leaves a lower voltage, too, but never one like this; which sign charges is not known yet.
+  constexpr double kNoCell = 0.6;  // of the least of the others
+  constexpr int kMostSteps = 20;   // down to the voltage of an open lead
+  const Column& i = record.current_A;
+  const Column& v = record.voltage_V;
+  const auto at_rest = [&](std::size_t row) { return std::abs(i[row]) <= kRest * largest_A; };
+  std::size_t rows = 0;
+  double highest_V = -std::numeric_limits<double>::infinity();
+  for (int steps = 0; rows + 1 < v.size() && at_rest(inward(rows)) && steps < kMostSteps;) {
+    highest_V = std::max(highest_V, v[inward(rows)]);
+    const std::size_t next = inward(++rows);
+    if (v[next] - highest_V < kLeastJump_V) continue;
+    ++steps;
+    Extent others;
+    for (std::size_t k = rows; k < v.size(); ++k) {
+      others.least = std::min(others.least, v[inward(k)]);
+      others.most = std::max(others.most, v[inward(k)]);
+    }
+    const double margin_V = std::max(kLeastJump_V, kBeyond * (others.most - others.least));
+    const bool lower =
+        at_rest(next) ? highest_V < others.least - margin_V : highest_V < kNoCell * others.least;
+    if (lower) return rows;
+  }
+  return 0;
+}
+
 }  // namespace
+
+RowsWithoutCell FindRowsWithoutCell(const Record& record) {
+  const std::size_t size = record.voltage_V.size();
+  if (size < 4) return {};
+  const Extent current = FindExtent(record.current_A);
+  const double largest_A = std::max(std::abs(current.least), std::abs(current.most));
+  if (!(largest_A > 0.0)) return {};
+  return {.first = WithoutCell(record, largest_A, [](std::size_t k) { return k; }),
+          .last = WithoutCell(record, largest_A, [&](std::size_t k) { return size - 1 - k; })};
+}
 
 std::vector<std::size_t> FindCurrentSpikes(const Record& record) {
   const Column& i = record.current_A;

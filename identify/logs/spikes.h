@@ -1,7 +1,8 @@
 #pragma once
 
 /// @file
-/// Rows whose voltage, current or temperature cannot be: a reading that failed, alone between two that did not.
+/// Rows whose voltage, current or temperature cannot be: a reading that failed, alone between two that did not, or one
+/// without a cell.
 /// Tests: tests/identify/logs/spikes_test.cc.
 
 #include <cstddef>
@@ -19,6 +20,15 @@ namespace lipoid {
 /// The first and the last row have a neighbour on one side only and are never among the former: a discharge
 /// may well end on a cliff. Linear in the number of rows.
 [[nodiscard]] std::vector<std::size_t> FindSpikes(const Record& record);
+
+/// How many rows at the beginning and at the end are at rest at a voltage that no rest falls to at once, which a logger
+/// reads before the cell is put in or after it was taken out: below the range of all other rows by half that range and
+/// by 0.2 V at least, or, beside a load, below 0.6 of the least of them. However many they are.
+struct RowsWithoutCell {
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+[[nodiscard]] RowsWithoutCell FindRowsWithoutCell(const Record& record);
 
 /// Rows whose current leaves the range of all other rows by half of it, while the rows beside them stay
 /// within it and the voltage moves by less than a quarter of what other steps of the current make it move

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "identify/fit/fast_modes.h"
 #include "identify/fit/pulse_resistance.h"
 #include "identify/trust/cell_uncertainty.h"
 
@@ -12,21 +13,30 @@ TrustReport AssessStaged(const VoltageSweep& sweep,
                          const TrustOptions& how) {
   GivenParameters known{.bounds = fit.bounds};
   for (const std::string& name : fit.fixed) known.fixed[name] = 0.0;  // no matter at what
-  const LinearizedFit at = Linearize(sweep, fit.solution, known);
+  LinearizedFit at = Linearize(sweep, fit.solution, known);
   TrustOptions options = how;
   options.held.insert(options.held.end(), at.held.begin(), at.held.end());
   const JointSetup& setup = sweep.setup();
   const PulseQuestion question{.soc = 0.5, .current_A = setup.alpha_C / 3600.0};
   if (!how.assumed) {
     options.drawn = CellParametersAmong(at.quantities);
-    for (auto& one : PulseResistancesIn(at, fit.solution, setup, 1.0, question))
-      options.drawn.push_back(std::move(one));
+    auto pulses = PulseResistancesIn(at, fit.solution, setup, 1.0, question);
+    FollowedMoves moves(at);
+    AddFastModes(
+        at,
+        fit.solution,
+        setup,
+        1.0,
+        question,
+        [&](const JointSetup& finer) {
+          return sweep.With(finer).Rows(fit.solution.structure, fit.solution.rates, fit.solution.x);
+        },
+        moves);
+    moves.CountIn(at.quantities, options.drawn, pulses);
+    options.drawn.insert(options.drawn.end(), pulses.begin(), pulses.end());
   }
   TrustReport report = AssessTrust(at.logs, at.penalty, at.quantities, options);
-  TakePulseResistances(PulseResistancesOf(fit.solution, setup, 1.0, question),
-                       question,
-                       report,
-                       LeftOfFastModes(fit.solution, setup, 1.0, question));
+  TakePulseResistances(PulseResistancesOf(fit.solution, setup, 1.0, question), question, report);
 
   if (times) {
     // What the law (4.53) leaves of the times is no noise then, and does not average out over them.

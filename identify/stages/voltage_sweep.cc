@@ -490,10 +490,16 @@ VoltageSweep::VoltageSweep(JointSetup setup, std::vector<SweepLog> logs, const C
   condensed_ = std::move(condensed);
 }
 
-VoltageSweep VoltageSweep::With(OpenCircuitVoltage curve) const {
+VoltageSweep VoltageSweep::With(JointSetup setup) const {
   VoltageSweep other = *this;
-  other.setup_.open_circuit_voltage = std::move(curve);
+  other.setup_ = std::move(setup);
   return other;
+}
+
+VoltageSweep VoltageSweep::With(OpenCircuitVoltage curve) const {
+  JointSetup setup = setup_;
+  setup.open_circuit_voltage = std::move(curve);
+  return With(std::move(setup));
 }
 
 std::size_t VoltageSweep::rows() const {

@@ -56,7 +56,8 @@ class VoltageSweep : public Observations {
                std::vector<SweepLog> logs,
                const Condensation& how = Condensation::Exact());
 
-  /// The same logs, condensed already, with another curve.
+  /// The same logs, condensed already.
+  [[nodiscard]] VoltageSweep With(JointSetup setup) const;
   [[nodiscard]] VoltageSweep With(OpenCircuitVoltage curve) const;
 
   /// Columns of the Jacobian: beta, r_s, r_1 .. r_n, tau_1 .. tau_n; the residual is the last

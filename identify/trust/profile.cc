@@ -55,18 +55,22 @@ std::vector<double> ProfileGrid(const ProfileTask& task, const TrustReport& trus
   const double to = linear ? estimate + half_width : estimate * kUnknownFactor;
 
   std::vector<double> grid{estimate};
-  const auto towards = [&](double end) {
+  // As dense where a bound cuts a side short. An estimate at a bound, or beyond by a rounding, has nothing there.
+  const auto towards = [&](double whole, double end) {
     if (end == estimate || !std::isfinite(end)) return;
-    for (int k = 1; k <= kProfilePointsPerSide; ++k) {
-      const double share = static_cast<double>(k) / kProfilePointsPerSide;
-      grid.push_back(k == kProfilePointsPerSide ? end
-                     : linear                   ? estimate + share * (end - estimate)
-                                                : estimate * std::pow(end / estimate, share));
+    const double left = linear ? (end - estimate) / (whole - estimate)
+                               : std::log(end / estimate) / std::log(whole / estimate);
+    constexpr double kRounding = 1e-6;
+    const auto points = static_cast<int>(std::ceil(kProfilePointsPerSide * (left - kRounding)));
+    for (int k = 1; k <= points; ++k) {
+      const double share = static_cast<double>(k) / points;
+      grid.push_back(k == points ? end
+                     : linear    ? estimate + share * (end - estimate)
+                                 : estimate * std::pow(end / estimate, share));
     }
   };
-  // An estimate beyond a bound, by a rounding, has nothing on that side.
-  towards(std::min(estimate, std::max(from, task.lower)));
-  towards(std::max(estimate, std::min(to, task.upper)));
+  towards(from, std::min(estimate, std::max(from, task.lower)));
+  towards(to, std::max(estimate, std::min(to, task.upper)));
   std::sort(grid.begin(), grid.end());
   return grid;
 }

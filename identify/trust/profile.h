@@ -62,7 +62,7 @@ inline constexpr int kProfilePointsPerSide = 10;
 
 /// Rising values around the estimate, which is one of them: half as far again as the 95 % interval,
 /// some three standard errors. Where that is unknown or wider than the estimate itself
-/// from a fifth to five times it, in equal ratios; around zero as far as `typical_reach`.
+/// from a fifth to five times it, in equal ratios; around zero as far as `typical_reach`. Fewer where a bound is nearer.
 [[nodiscard]] std::vector<double> ProfileGrid(const ProfileTask& task, const TrustReport& trust);
 
 /// Sets rise_95, least_cost and the ends of the interval, from the points. Between points the root

@@ -15,9 +15,10 @@ inline constexpr double kPulseTau_s = 25.0;
 
 /// Eight pulses of 60 s with 900 s of rest, once a second; the rests are short for the diffusion. A
 /// branch of 0 Ohm is none.
-inline Record PulseRecord(double branch_Ohm) {
+inline Record PulseRecord(double branch_Ohm, int terms = kUsualModes) {
   Cell cell = LoadCell("gifi-600mAh-1");
   cell.diffusion->beta_per_sqrt_s = kPulseBeta;
+  cell.diffusion->terms = terms;
   cell.series_resistance_Ohm = kPulseSeries_Ohm;
   cell.branches.clear();
   if (branch_Ohm > 0.0) {

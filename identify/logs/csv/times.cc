@@ -62,6 +62,24 @@ bool TakeMonthName(std::string_view& text, int& month) {
 
 int FullYear(int year) { return year >= 100 ? year : year < 70 ? 2000 + year : 1900 + year; }
 
+// Takes so many digits off the front of the text.
+bool TakeDigits(std::string_view& text, std::size_t count, int& value) {
+  std::string_view digits = text.substr(0, count);
+  if (digits.size() != count || !TakeInteger(digits, value) || !digits.empty()) return false;
+  text.remove_prefix(count);
+  return true;
+}
+
+bool DaysOf(int year, int month, int day, long& days) {
+  if (year > 9999 || month > 12 || day > 31) return false;  // chrono keeps eight bits of a month
+  const std::chrono::year_month_day date{std::chrono::year(FullYear(year)),
+                                         std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day))};
+  if (!date.ok()) return false;
+  days = std::chrono::sys_days(date).time_since_epoch().count();
+  return true;
+}
+
 // Takes the date off the front of the text.
 bool TakeDate(std::string_view& text, DateOrder order, long& days) {
   int first = 0;
@@ -87,14 +105,12 @@ bool TakeDate(std::string_view& text, DateOrder order, long& days) {
     day = first;
   } else if (order == DateOrder::kYearFirst) {
     return false;  // 03/04/2021: March or April?
+  } else if (order == DateOrder::kShortYearFirst) {
+    year = first;
+    month = second;
+    day = third;
   }
-  if (year > 9999 || month > 12 || day > 31) return false;  // chrono keeps eight bits of a month
-  const std::chrono::year_month_day date{std::chrono::year(FullYear(year)),
-                                         std::chrono::month(static_cast<unsigned>(month)),
-                                         std::chrono::day(static_cast<unsigned>(day))};
-  if (!date.ok()) return false;
-  days = std::chrono::sys_days(date).time_since_epoch().count();
-  return true;
+  return DaysOf(year, month, day, days);
 }
 
 // Takes what says the zone off the end of a time of day: Z, UTC, GMT, +01:00, -0500, +09. None is 0.
@@ -125,6 +141,33 @@ bool TakeZone(std::string_view& text, int& zone_s) {
   return true;
 }
 
+// 20210326170133, 20210326T170133.5
+bool ParseWithoutMarks(std::string_view text, char decimal, DateTime& value) {
+  constexpr int kFirstYear = 1900;
+  int year = 0;
+  int month = 0;
+  int day = 0;
+  int seconds = 0;
+  int zone_s = 0;
+  Clock clock;
+  if (!TakeDigits(text, 4, year) || !TakeDigits(text, 2, month) || !TakeDigits(text, 2, day) ||
+      year < kFirstYear || !DaysOf(year, month, day, value.days))
+    return false;
+  if (!text.empty() && (text.front() == ' ' || text.front() == 'T')) text.remove_prefix(1);
+  if (!TakeZone(text, zone_s) || !TakeDigits(text, 2, clock.hours) ||
+      !TakeDigits(text, 2, clock.minutes))
+    return false;
+  if (std::string_view whole = text; !TakeDigits(whole, 2, seconds) ||
+                                     (!whole.empty() && whole.front() != decimal) ||
+                                     text.find_first_of("eE") != std::string_view::npos)
+    return false;
+  if (!ParseNumber(text, decimal, clock.seconds) || clock.hours > 23 || clock.minutes > 59 ||
+      clock.seconds >= 60.0)
+    return false;
+  value.second_of_day = clock.Total(0) - zone_s;
+  return true;
+}
+
 }  // namespace
 
 bool ParseDuration(std::string_view text, char decimal, double& seconds) {
@@ -141,6 +184,7 @@ bool ParseDuration(std::string_view text, char decimal, double& seconds) {
 }
 
 bool ParseDateTime(std::string_view text, DateOrder order, char decimal, DateTime& value) {
+  if (ParseWithoutMarks(text, decimal, value)) return true;
   if (!TakeDate(text, order, value.days)) return false;
   if (text.empty() || (text.front() != ' ' && text.front() != 'T' && text.front() != '\t'))
     return false;
@@ -180,30 +224,35 @@ bool DateColumn::Seconds(std::string_view text, char decimal, double& seconds) {
 
 // 03/04/2024. As long as the day is the first row's, it does not matter which is the month.
 bool DateColumn::FindOrder(std::string_view text, char decimal, DateTime& date) {
-  DateTime day_first;
-  const bool month_is_first = ParseDateTime(text, DateOrder::kMonthFirst, decimal, date);
-  const bool day_is_first = ParseDateTime(text, DateOrder::kDayFirst, decimal, day_first);
-  if (!month_is_first && !day_is_first) return false;
-  if (!first_) {
-    first_ = month_is_first ? date : day_first;
-    first_day_first_ = day_is_first ? day_first : date;
+  const bool is_first = !first_;
+  std::array<DateTime, kOrders.size()> read;
+  std::optional<long> least;
+  std::size_t possible = 0;
+  std::size_t taken = 0;
+  for (std::size_t k = kOrders.size(); k-- > 0;) {
+    std::optional<DateTime>& first = first_by_[k];
+    const bool is_date = (is_first || first) && ParseDateTime(text, kOrders[k], decimal, read[k]);
+    if (!is_date) {
+      first.reset();
+      continue;
+    }
+    if (is_first) first = read[k];
+    const long days = read[k].days - first->days;
+    // Backwards only where no order leads forwards.
+    if (!least || (*least < 0 ? days > *least : days >= 0 && days < *least)) least = days;
   }
-  if (month_is_first && day_is_first) {
-    if (!first_day_first_) first_day_first_ = first_;
-    const long by_month = date.days - first_->days;
-    const long by_day = day_first.days - first_day_first_->days;
-    if (by_month == by_day) return true;
-    // The next day is one day away in one order, a month in the other.
-    order_ = by_month >= 0 && (by_day < 0 || by_month < by_day) ? DateOrder::kMonthFirst
-                                                                : DateOrder::kDayFirst;
-  } else {
-    order_ = month_is_first ? DateOrder::kMonthFirst : DateOrder::kDayFirst;
+  for (std::size_t k = kOrders.size(); k-- > 0;) {
+    // The next day is one day away in one order, a month or a year in the others.
+    if (first_by_[k] && read[k].days - first_by_[k]->days != *least) first_by_[k].reset();
+    if (!first_by_[k]) continue;
+    ++possible;
+    taken = k;
   }
-  found_ = true;
-  if (order_ == DateOrder::kDayFirst) {
-    date = day_first;
-    if (first_day_first_) first_ = first_day_first_;
-  }
+  if (possible == 0) return false;
+  date = read[taken];
+  first_ = first_by_[taken];
+  found_ = possible == 1;
+  if (found_) order_ = kOrders[taken];
   return true;
 }
 

@@ -250,8 +250,10 @@ class Planner {
     DateTime date;
     if (ParseDuration(text, '.', seconds) || ParseDuration(text, ',', seconds))
       return CellKind::kDuration;
-    for (const DateOrder order : {DateOrder::kMonthFirst, DateOrder::kDayFirst}) {
-      if (ParseDateTime(text, order, '.', date)) return CellKind::kDateTime;
+    for (const DateOrder order :
+         {DateOrder::kMonthFirst, DateOrder::kDayFirst, DateOrder::kShortYearFirst}) {
+      if (ParseDateTime(text, order, '.', date) || ParseDateTime(text, order, ',', date))
+        return CellKind::kDateTime;
     }
     return CellKind::kNumber;
   }

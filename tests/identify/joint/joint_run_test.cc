@@ -1,5 +1,6 @@
 #include "identify/joint/joint_run.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,6 +20,7 @@
 #include "model/core/errors.h"
 #include "model/statistics/normal_noise.h"
 #include "tests/support/paths.h"
+#include "tests/support/plain_joint.h"
 #include "tests/support/synthetic_campaign.h"
 #include "tests/support/throws.h"
 
@@ -682,6 +684,34 @@ TEST(JointRun, FarFromEveryLoadResistancesGoOn) {
   EXPECT_TRUE(has("r_s(0.8)"));
   EXPECT_FALSE(has("r_s(0.2)") || has("r_1(0.2)"));
   EXPECT_FALSE(OneSays(Identify(all).cautions, "resistances are taken to go on"));
+}
+
+// A curve and a structure that are given leave three rates to a search by steps, alpha among them. Its coordinate was
+// so large that steps of a fifth of the others were small beside it: tau_1 was 34.7 s of 45, and "converged".
+TEST(JointRun, AlphaBesideAGivenCurveDoesNotEndTheSearchOfTheOthers) {
+  const Cell truth = test::Truth();
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    std::vector<LoadedLog> logs;
+    for (const double rate : {1.0, 2.0, 3.0, 4.0}) {
+      const double current_A = rate * truth.capacity_Ah;
+      logs.push_back(test::AsLog(
+          LogKind::kConstantCurrent,
+          test::SimulateLog(
+              truth, 1.0, 4000.0, [=](double) { return current_A; }, fmt::format("{}.csv", rate))));
+    }
+    test::AddColouredNoise(logs, 0.0003, 0.0002, seed);
+    StagedGiven given;
+    given.open_circuit_voltage = truth.open_circuit_voltage;
+    const JointResult result = Identify(logs, given, test::kPlainJoint);
+    for (const char* parameter : {"alpha", "beta", "r_s", "r_1", "tau_1"}) {
+      const double is = *CellParameter(truth, parameter);
+      EXPECT_NEAR(*CellParameter(result.cell, parameter), is, 0.03 * is)
+          << parameter << " " << seed;
+    }
+    // The search of the structure ended there, too, and the last one beside it: what another structure says is no spread.
+    const JointSolution& found = result.choice.tried.front().solution;
+    EXPECT_NEAR(found.rates.time_constant_s[0], result.choice.best.rates.time_constant_s[0], 0.1);
+  }
 }
 
 // Modes beyond M count as a resistance: where the next of them is slower than the rows, r_s is not r_s.

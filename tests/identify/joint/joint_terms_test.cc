@@ -118,6 +118,16 @@ TEST(JointTerms, CoordinatesAndValuesAreInverse) {
   }
 }
 
+// Searches take a step as small beside the size of all coordinates: that of alpha was 760, and a step of a fifth of the
+// others small beside it.
+TEST(JointTerms, NoCoordinateIsLargeWhereASearchStarts) {
+  constexpr double kLargest = 11.0;  // of the logarithm of 40 kJ/mol, or of 10 h in seconds
+  for (const bool temperature : {false, true}) {
+    for (const JointRate& rate : AllRates(WithEveryTerm(temperature), ASetup(), kScales))
+      EXPECT_LE(std::abs(rate.Coordinate(rate.start)), kLargest) << rate.name;
+  }
+}
+
 TEST(JointTerms, AStructureHasTheTermsThatItWasGiven) {
   for (const JointTerm& term : JointTerms()) {
     EXPECT_FALSE(term.present(JointStructure())) << term.key;

@@ -7,6 +7,7 @@
 
 #include "tests/support/load_error.h"
 #include "tests/support/paths.h"
+#include "tests/support/text_files.h"
 
 namespace lipoid {
 namespace {
@@ -141,6 +142,24 @@ TEST(Campaign, ReadsThoseBesideTheProject) {
 TEST(CampaignRefuses, AMissingFile) {
   EXPECT_EQ(LoadErrorOf([] { (void)ReadCampaign("no/such.toml"); }).find("no/such.toml: error: "),
             0U);
+}
+
+TEST(CampaignRefuses, AFolderAndALogWithWhatToDo) {
+  const auto folder = test::FreshFolder("campaign/folder");
+  EXPECT_EQ(LoadErrorOf([&] { (void)ReadCampaign(folder); }),
+            folder + ":1:1: error: expected a campaign, found a folder; lipoid inspect " + folder +
+                " --write-campaign " + folder + "/campaign.toml drafts one of its logs");
+  test::Write(folder + "/campaign.toml", "");
+  EXPECT_EQ(LoadErrorOf([&] { (void)ReadCampaign(folder); }),
+            folder + ":1:1: error: expected a campaign, found a folder; its campaign is " + folder +
+                "/campaign.toml");
+  const std::string log = folder + "/a.csv";
+  test::Write(log, "time_s,current_A,voltage_V\n0,0,4.2\n");
+  const std::string said = LoadErrorOf([&] { (void)ReadCampaign(log); });
+  EXPECT_EQ(said.find(log + ":1:7: error: not a campaign in TOML: "), 0U);
+  EXPECT_TRUE(said.ends_with(". If this is a log, lipoid inspect " + log +
+                             " --write-campaign campaign.toml drafts a campaign"))
+      << said;
 }
 
 TEST(CampaignRefuses, WhatIsNotToml) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/statistics/normal_noise.h"
 #include "tests/support/load_error.h"
 #include "tests/support/paths.h"
 #include "tests/support/text_files.h"
@@ -50,6 +51,32 @@ TEST(LoadCampaign, KnowsTheTemperatureUnderLoad) {
   EXPECT_EQ(mean_degC("ambient_degC = 0\n", ""), 38.8);
   EXPECT_EQ(mean_degC("", "ambient_degC = 15\n"), 15.0);
   EXPECT_EQ(mean_degC("", ""), std::nullopt);
+}
+
+// Of a cell at rest, which has one temperature.
+TEST(LoadCampaign, TakesTheCourseOfAThermometerThatWavers) {
+  const auto folder = test::FreshFolder("load_campaign/wavers");
+  NormalNoise normal(7, 0);
+  const auto spread_K = [&](double noise_K) {
+    std::string text = "time_s,current_A,voltage_V,temperature_degC\n";
+    for (int k = 0; k < 400; ++k) {
+      text += fmt::format(
+          "{},{},{},{}\n", k, k < 100 ? 0 : 1, 4.2 - 0.002 * k, 20.0 + noise_K * normal());
+    }
+    Write(folder + "/a.csv", text);
+    Write(folder + "/c.toml", "[cell]\n[[log]]\nkind = 'constant-current'\nfile = 'a.csv'\n");
+    const auto logs = LoadCampaign(ReadCampaign(folder + "/c.toml"));
+    const auto& warnings = logs[0].log.report.warnings;
+    const bool said = std::any_of(warnings.begin(), warnings.end(), [](const std::string& one) {
+      return one.find("degC from row to row, and the course of the rows around each is taken") != std::string::npos;
+    });
+    EXPECT_EQ(said, noise_K > 0.02);
+    const auto& shown = logs[0].log.record.temperature_degC;
+    const auto [least, most] = std::minmax_element(shown.begin(), shown.end());
+    return *most - *least;
+  };
+  EXPECT_LT(spread_K(0.1), 0.25);   // of 400 rows: 0.6
+  EXPECT_GT(spread_K(0.01), 0.04);  // left alone
 }
 
 TEST(LoadCampaign, KeepsTheOrderOfTheCampaign) {

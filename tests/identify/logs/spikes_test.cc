@@ -39,6 +39,31 @@ TEST(Spikes, FewRowsWithoutAVoltageAreSpikesWhateverFlows) {
   EXPECT_EQ(FindSpikes(ends), (RowNumbers{0, 1, ends.size() - 1}));
 }
 
+TEST(Spikes, RowsAtRestBeforeAndAfterTheCellHaveNone) {
+  const Record record = Pulses();
+  EXPECT_EQ(FindRowsWithoutCell(record).first, 0U);
+  EXPECT_EQ(FindRowsWithoutCell(record).last, 0U);
+  // The least of these is 2.7 V in the pulse of 20 A, and the range 1 V: below 2.2 V.
+  Record ends = record;
+  for (std::size_t k = 0; k < 7; ++k) ends.voltage_V[k] = 2.0;
+  EXPECT_EQ(FindRowsWithoutCell(ends).first, 7U);
+  for (std::size_t k = 0; k < 7; ++k) ends.voltage_V[k] = 2.4;
+  EXPECT_EQ(FindRowsWithoutCell(ends).first, 0U);
+  // Its last rows are a load of 4 A, after which the lead is open, in two steps.
+  const double last_s = record.time_s.back();
+  for (const double voltage_V : {2.4, 1.2, 1.25, 1.2}) {
+    ends.time_s.push_back(last_s + 1.0 + static_cast<double>(ends.size() - record.size()));
+    ends.current_A.push_back(0.0);
+    ends.voltage_V.push_back(voltage_V);
+  }
+  EXPECT_EQ(FindRowsWithoutCell(ends).last, 3U);
+  ends.voltage_V[record.size()] = 1.4;
+  EXPECT_EQ(FindRowsWithoutCell(ends).last, 4U);
+  // Under a load it is another matter.
+  for (std::size_t k = record.size(); k < ends.size(); ++k) ends.current_A[k] = 4.0;
+  EXPECT_EQ(FindRowsWithoutCell(ends).last, 0U);
+}
+
 // The current changes there and back, and the voltage follows it the wrong way.
 TEST(Spikes, ACurrentThatChangesTheSameWayExplainsNothing) {
   Record record = Pulses();

@@ -59,7 +59,7 @@ const QuantityTrust& Of(const TrustReport& trust, const std::string& name) {
 
 // The whole way, nonlinear fit and all: simulated logs, staged fit, intervals.
 TEST(StagedTrust, IntervalsCoverTheTruthOfSimulatedPulses) {
-  const Record clean = PulseRecord(kBranch_Ohm);
+  const Record clean = PulseRecord(kBranch_Ohm, 200);
   const std::pair<std::string, double> truth[] = {{"beta", kPulseBeta},
                                                   {"r_s", kPulseSeries_Ohm},
                                                   {"r_1", kBranch_Ohm},

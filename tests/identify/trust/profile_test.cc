@@ -120,14 +120,18 @@ TEST(Profile, StaysWithinBoundsAndPassesOverFailedFits) {
   task.lower = 0.95;
   task.upper = 1.0 - 1e-12;  // the estimate lies beyond by a rounding
   const auto trust = Trust(1.0, 0.1, 0.01);
-  EXPECT_EQ(ProfileGrid(task, trust).size(), 11U);
+  // A sixth of the side is left, and of its ten points two.
+  EXPECT_EQ(ProfileGrid(task, trust).size(), 3U);
   EXPECT_EQ(ProfileGrid(task, trust).front(), 0.95);
   EXPECT_EQ(ProfileGrid(task, trust).back(), 1.0);
+  task.lower = 1.0 - 1e-9;  // and nothing of it
+  EXPECT_EQ(ProfileGrid(task, trust).size(), 1U);
+  task.lower = 0.95;
   task.upper = 2.0;
   const auto profile = FindProfiles({task}, trust)[0];
   EXPECT_TRUE(std::isnan(profile.low));  // the rise at 0.95 is a quarter of what it takes
   EXPECT_NEAR(profile.high, 1.1, 1e-9);  // the root is straight over the gap too
-  EXPECT_TRUE(ProfilesToJson({profile})[0].at("points")[11].at("cost").is_null());
+  EXPECT_TRUE(ProfilesToJson({profile})[0].at("points")[3].at("cost").is_null());
 }
 
 TEST(Profile, OfAZeroGoesAsFarAsIsTypical) {

@@ -42,7 +42,10 @@ TEST(Times, DurationsAndDates) {
                            "26.03.2021 17:01:33",
                            "03/26/2021 5:01:33 PM",
                            "26-Mar-21 5:01:33 pm",
-                           "26-MAR-2021 17:01:33Z"}) {
+                           "26-MAR-2021 17:01:33Z",
+                           "20210326170133",
+                           "20210326 170133.0",
+                           "20210326T180133+0100"}) {
     EXPECT_TRUE(ParseDateTime(text, DateOrder::kMonthFirst, '.', date)) << text;
     EXPECT_EQ(date.days, 18712) << text;
     EXPECT_EQ(date.second_of_day, 61293.0) << text;
@@ -56,7 +59,15 @@ TEST(Times, DurationsAndDates) {
                             "2021-01-01",
                             "2021-01-01 24:00:00",
                             "2021-01-01 13:00:00 PM",
-                            "2021-257-01 00:00:00"}) {
+                            "2021-257-01 00:00:00",
+                            "20211326170133",
+                            "20210326170160",
+                            "2021032617013",
+                            "202103261701334",
+                            "20210326",
+                            "20210326250133",
+                            "20210326170133e1",
+                            "18990326170133"}) {
     EXPECT_FALSE(ParseDateTime(wrong, DateOrder::kYearFirst, '.', date)) << wrong;
   }
 }
@@ -114,6 +125,10 @@ TEST(Times, DatesSayTheirOrderThemselves) {
       {{"05-06-2024 00:00:00", "05-06-2024 00:00:01", "05-08-2024 00:00:00"},
        {0.0, 1.0, 2.0 * kDay_s},
        DateOrder::kMonthFirst},
+      {{"24/03/04 23:59:59", "24/03/05 00:00:00"}, {0.0, 1.0}, DateOrder::kShortYearFirst},
+      {{"04/03/24 23:59:59", "05/03/24 00:00:00"}, {0.0, 1.0}, DateOrder::kDayFirst},
+      {{"03/04/24 23:59:59", "03/05/24 00:00:00"}, {0.0, 1.0}, DateOrder::kMonthFirst},
+      {{"24/03/04 10:00:00", "24/03/04 10:00:01"}, {0.0, 1.0}, std::nullopt},
       {{"2024-04-03 10:00:00", "2024-04-04 10:00:00"}, {0.0, kDay_s}, std::nullopt}};
   for (const DatesThatSay& c : cases) {
     DateColumn dates(DateOrder::kYearFirst);
