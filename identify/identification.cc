@@ -254,6 +254,19 @@ FitQuality QualityOf(const Identification& found,
                   campaign.capacity_Ah);
 }
 
+// Stage 3 takes as exact what stands in for a log that is not there.
+std::string DoubtAboutStandIns(const StagedResult& staged) {
+  std::vector<std::string> missing;
+  if (staged.from_rests) missing.emplace_back("v_oc(A) is that of rests, without a low-rate log");
+  if (staged.fitted_kind == LogKind::kConstantCurrent)
+    missing.emplace_back("there were discharges for stage 3, and no pulses");
+  if (missing.empty()) return "";
+  return fmt::format(
+      "{}: beta and the branches may lie far outside their intervals, which do not count that; --method joint fits "
+      "all logs together",
+      fmt::join(missing, ", and "));
+}
+
 // Why the cell is no older or younger state of the reference; "" where it may be. With alpha, beta and
 // the resistances bent, a short test fits with the file of quite another cell.
 std::string DoubtAboutReference(const HeldShape& held, const Identification& found) {
@@ -503,6 +516,8 @@ Identification Identify(const Campaign& campaign,
   }
   if (found.staged) {
     if (auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty())
+      found.quality.Doubt(std::move(doubt));
+    if (auto doubt = DoubtAboutStandIns(*found.staged); !doubt.empty())
       found.quality.Doubt(std::move(doubt));
   }
   std::vector<std::string> stuck;

@@ -126,6 +126,24 @@ TEST(Identification, TheStagedMethodDoubtsLogsOfSeveralTemperatures) {
 }
 
 // A voltage that was clipped at 4.096 V made beta 0.214 (0.209 to 0.219) of 0.25, "good".
+// Of ten campaigns of pulses alone each had a beta far outside its interval.
+TEST(Identification, TheStagedMethodDoubtsWhatStandsInForALogThatIsNotThere) {
+  const auto all = test::SyntheticLogs(test::Truth(), 5.0, 0.0002);
+  const auto verdict_of = [](const std::vector<LoadedLog>& logs) {
+    return Identify(test::CampaignOf(logs), logs, {.method = IdentifyMethod::kStaged}).Verdict();
+  };
+  EXPECT_NE(verdict_of(all).find(": good"), std::string::npos);
+  const std::string pulses = verdict_of({all[4]});
+  EXPECT_NE(pulses.find("v_oc(A) is that of rests, without a low-rate log: beta and the "
+                        "branches may lie far outside their intervals"),
+            std::string::npos)
+      << pulses;
+  const std::string discharges = verdict_of({all[0], all[1], all[2], all[3]});
+  EXPECT_NE(discharges.find("fair: there were discharges for stage 3, and no pulses: beta and"),
+            std::string::npos)
+      << discharges;
+}
+
 TEST(Identification, DoubtsLogsWhoseVoltageWasNotMeasured) {
   auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
   logs[0].log.report.stuck_voltage = logs[1].log.report.stuck_voltage = "as reading found";
