@@ -305,6 +305,15 @@ std::vector<FullDischarge> FullDischarges(const Identification& found,
                     .charge_C = time.current_A * time.measured_s,
                     .start_degC = StartTemperature(*log)});
   }
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind != LogKind::kLowRate || log.entry.initial_soc != 1.0) continue;
+    const auto slow = WholeDischarge(log.log.record);
+    if (!slow || slow->end_voltage_V > found.cell.cutoff_V + CutoffTolerance(*slow)) continue;
+    full.push_back({.file = log.entry.file,
+                    .current_A = slow->current_A,
+                    .charge_C = slow->charge_C,
+                    .start_degC = StartTemperature(log)});
+  }
   return full;
 }
 

@@ -364,7 +364,7 @@ class Drafting {
       if (discharge.charge_C > (1.0 - kLessThanFull) * most_C) continue;
       each.entry->left_out = fmt::format(
           "gives {:.4g} Ah, where a faster discharge gives {:.4g} Ah: it does not go from full to "
-          "empty",
+          "empty, or is of another cell",
           discharge.charge_C / 3600.0,
           most_C / 3600.0);
     }
@@ -440,7 +440,9 @@ class Drafting {
 
   void CompareDischarges() {
     std::vector<FullDischarge> all;
-    for (const Candidate& each : fast_) {
+    std::vector<Candidate> candidates = fast_;
+    candidates.insert(candidates.end(), slow_.begin(), slow_.end());
+    for (const Candidate& each : candidates) {
       if (!each.entry->left_out.empty() || each.entry->log.initial_soc != 1.0) continue;
       const auto& warmth = each.inspection->temperature_degC;
       all.push_back({.file = each.entry->log.file,

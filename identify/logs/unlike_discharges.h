@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// Discharges of one campaign that cannot be of one cell in one state: from full to the cut-off at one
-/// current, and of charges far apart. Tests: tests/identify/logs/unlike_discharges_test.cc.
+/// Discharges of one campaign that cannot be of one cell in one state: from full to the cut-off, and of charges far
+/// apart at one current, or of less charge at a lower one. Tests: tests/identify/logs/unlike_discharges_test.cc.
 
 #include <string>
 #include <vector>
@@ -19,8 +19,9 @@ struct FullDischarge {
   double start_degC = kNaN;  ///< NaN: not known
 };
 
-/// In a sentence, the two of one current, to 3 %, whose charges are farthest apart, by more than a
-/// twentieth; "" where there are none. Discharges that began more than 5 degC apart are not compared.
+/// In a sentence, the two whose charges are farthest apart: by more than a twentieth of one current, to 3 %, or by more
+/// than a tenth where the slower one delivers less, though not below 15 degC; "" where there are none. Discharges that
+/// began more than 5 degC apart are not compared.
 [[nodiscard]] std::string DoubtAboutDischarges(const std::vector<FullDischarge>& discharges);
 
 }  // namespace lipoid

@@ -99,7 +99,7 @@ TEST(Draft, ASlowDischargeThatGivesLessThanAFastOneIsNoLowRate) {
   ASSERT_EQ(draft.entries.size(), 3U);
   EXPECT_EQ(draft.entries[2].left_out,
             "gives 1.014 Ah, where a faster discharge gives 1.972 Ah: it does not go from full to "
-            "empty");
+            "empty, or is of another cell");
   EXPECT_EQ(draft.campaign.logs.size(), 2U);
   // Beside one that does, it is not the reference either.
   const auto both = DraftCampaign({Ending("lab/1c.csv", 2.0, 3550.0, 3.0),

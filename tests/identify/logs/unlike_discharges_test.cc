@@ -19,10 +19,25 @@ TEST(UnlikeDischarges, NamesTheTwoThatAreFarthestApart) {
 TEST(UnlikeDischarges, RepeatsOtherCurrentsAndOtherTemperaturesAreNone) {
   EXPECT_EQ(DoubtAboutDischarges({}), "");
   EXPECT_EQ(DoubtAboutDischarges({{"a.csv", 1.0, 1000.0}, {"b.csv", 1.0, 1049.0}}), "");
-  EXPECT_EQ(DoubtAboutDischarges({{"a.csv", 1.0, 1000.0}, {"b.csv", 1.04, 1200.0}}), "");
+  EXPECT_EQ(DoubtAboutDischarges({{"a.csv", 1.0, 1200.0}, {"b.csv", 1.04, 1000.0}}), "");
   EXPECT_EQ(DoubtAboutDischarges({{"a.csv", 1.0, 1000.0, 0.0}, {"b.csv", 1.0, 1200.0, 25.0}}), "");
   EXPECT_NE(DoubtAboutDischarges({{"a.csv", 1.0, 1000.0, 24.0}, {"b.csv", 1.0, 1200.0, 25.0}}), "");
   EXPECT_NE(DoubtAboutDischarges({{"a.csv", 1.0, 1000.0}, {"b.csv", 1.0, 1200.0, 25.0}}), "");
+}
+
+// Two cells, or two scales of the current: of one cell the slower one delivers more.
+TEST(UnlikeDischarges, ASlowerOneThatDeliversLessIsOne) {
+  EXPECT_EQ(DoubtAboutDischarges({{"slow.csv", 1.0, 1000.0}, {"fast.csv", 2.0, 1090.0}}), "");
+  const std::string doubt =
+      DoubtAboutDischarges({{"slow.csv", 2.6, 9097.0}, {"fast.csv", 5.0, 17217.0}});
+  EXPECT_EQ(doubt.find("at 5 A fast.csv delivers 4.782 Ah until the cut-off and at 2.6 A only "
+                       "slow.csv 2.527 Ah: look"),
+            0U)
+      << doubt;
+  // In the cold a fast discharge warms the cell.
+  EXPECT_EQ(
+      DoubtAboutDischarges({{"slow.csv", 1.0, 1000.0, -10.0}, {"fast.csv", 2.0, 1300.0, -10.0}}),
+      "");
 }
 
 }  // namespace
