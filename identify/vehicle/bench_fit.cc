@@ -415,8 +415,13 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
   double freedom = 1.0;
   constexpr int kRounds = 20;  // of weights that follow the residuals
   for (int round = 0; round < kRounds; ++round) {
+    // What lies on its bound is held there from now on; beside the exponent's own value only until other weights, against
+    // which that one counts less, may lead away from it.
+    if (usual_exponent) {
+      held = known;
+      friction_at_most = false;
+    }
     solved = Solve(Residuals(table, sigma, scales), solved.x, held);
-    // What lies on its bound is held there from now on.
     constexpr double kAtBound = 1e-6;
     for (const int k : {kFriction, kSwitching}) {
       if (std::find(held.begin(), held.end(), k) != held.end()) continue;

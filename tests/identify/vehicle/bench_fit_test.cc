@@ -155,6 +155,26 @@ TEST(BenchFit, WithoutSpeedsTheIntervalsHoldAThrottleThatIsNoDutyCycle) {
 }
 
 // Before, 1e-108 Ohm with an interval of no width.
+// With the first weights friction went to its bound, and stayed there when better ones led away: n was 1.10, and k_T 17 %
+// too small with an interval of 14 %, or the table was refused.
+TEST(BenchFit, FrictionLeavesABoundThatTheFirstWeightsLedTo) {
+  const Truth truth;
+  for (const double exponent : {0.88, 1.12, 1.15}) {
+    BenchTable table = CurvedTable(truth, false, [&](double u) { return std::pow(u, exponent); });
+    NormalNoise normal(11, 1);
+    constexpr double kNoise = 0.001;
+    for (BenchRow& row : table.rows) {
+      row.current_A *= 1.0 + kNoise * normal();
+      row.thrust_N *= 1.0 + kNoise * normal();
+    }
+    const BenchFit fit = FitBenchTable(table, {.motor_constant_N_m_per_A = truth.k_e});
+    EXPECT_GT(fit.friction_N_m_s.estimate, 0.0) << exponent;
+    EXPECT_NEAR(fit.throttle_exponent.estimate, exponent, 0.03) << exponent;
+    EXPECT_NEAR(fit.thrust_coefficient_N_s2.estimate, truth.k_T, 0.08 * truth.k_T) << exponent;
+    EXPECT_LE(fit.current_rms, 2.0 * kNoise) << exponent;
+  }
+}
+
 TEST(BenchFit, AMotorWithoutResistanceIsRefused) {
   Truth truth;
   const BenchTable table = Table(truth, true);
