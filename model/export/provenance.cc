@@ -83,9 +83,11 @@ std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exp
   if (const std::string doubt = DoubtAboutCurve(request.cell, 0.0, 1.0); !doubt.empty())
     lines.push_back(HarmlessInComment(doubt, kMostBytesOfSentence) + ".");
   if (exported.error || exported.charge_error) {
-    lines.push_back(fmt::format("Against the cell, over the mission {}{} with its current imposed:",
-                                HarmlessInComment(request.mission.name),
-                                StartText(request.mission)));
+    lines.push_back(fmt::format(
+        "Against the cell, over the mission {}{} with its current imposed{}:",
+        HarmlessInComment(request.mission.name),
+        StartText(request.mission),
+        request.mission.hold == Hold::kForward ? ", that of a row until the next one" : ""));
   }
   if (exported.error) lines.push_back("  " + ErrorText(*exported.error) + ".");
   if (exported.naive)

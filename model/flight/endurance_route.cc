@@ -60,7 +60,8 @@ PowerMission FlyRoute(const EnduranceRequest& request,
       std::hypot(last.x_m - first.x_m, last.y_m - first.y_m, last.altitude_m - first.altitude_m);
   mission.doubts.emplace_back(
       "the route is flown with duty cycles that follow the voltage (`lipoid fly waypoints --compensate`), "
-      "without the drag of the air, and a climb costs no more than a hover: a fast or a high route takes more than this says (the mission cruise knows the power of a speed)");
+      "without the drag of the air, and a climb costs no more than a hover: a fast or a high route "
+      "takes more than this says (the mission cruise knows the power of a speed)");
   const double tilt_rad = gains.position.tilt_limit_rad;
   const double held_m_per_s = SpeedHeldAgainstDrag(setup.vehicle, tilt_rad);
   if (flight.fastest_m_per_s > held_m_per_s) {

@@ -41,6 +41,7 @@ typedef struct {
   fmu_cell *cell;
   const fmi2CallbackFunctions *callbacks;
   char *name;
+  fmi2Boolean spent;  // the last step asked for more than the pack can give, which no shorter one gets past
 } instance;
 
 static fmi2Status say(const fmi2CallbackFunctions *callbacks, const char *name, fmi2Status status, const char *message) {
@@ -205,8 +206,10 @@ FMU_PUBLIC fmi2Status FMI(GetRealOutputDerivatives)(fmi2Component c, const fmi2V
 }
 
 FMU_PUBLIC fmi2Status FMI(DoStep)(fmi2Component c, fmi2Real now_s, fmi2Real step_s, fmi2Boolean no_set_state) {
+  const fmi2Status status = take_step(c, now_s, step_s);
   (void)no_set_state;
-  return take_step(c, now_s, step_s);
+  if (c != NULL) ((instance *)c)->spent = status == fmi2Discard;
+  return status;
 }
 
 FMU_PUBLIC fmi2Status FMI(CancelStep)(fmi2Component c) { return missing(c, "steps are never pending"); }
@@ -234,7 +237,7 @@ FMU_PUBLIC fmi2Status FMI(GetIntegerStatus)(fmi2Component c, const fmi2StatusKin
 FMU_PUBLIC fmi2Status FMI(GetBooleanStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
   if (c == NULL || value == NULL) return fmi2Error;
   if (kind != fmi2Terminated) return trouble(c, fmi2Discard, "this status is not offered");
-  *value = 0;
+  *value = ((const instance *)c)->spent;
   return fmi2OK;
 }
 

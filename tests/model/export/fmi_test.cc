@@ -167,6 +167,23 @@ TEST(Fmi, DamagedResourcesAreRefusedOrRunWithoutHarm) {
   EXPECT_NE(output.find(" of 1500 ran"), std::string::npos) << output;
 }
 
+// FMPy took such a step again and again, and logged each.
+TEST(Fmi, StepsForMorePowerThanThePackHasEndTheSimulation) {
+  if (test::CCompiler().empty()) GTEST_SKIP() << "skipped: there is no C compiler (cc)";
+  const auto folder = test::FreshFolder("fmi_spent");
+  const auto file = test::WriteExported(
+      ExportFmi(test::RequestOf(LoadCell("gifi-600mAh-1"), "2")), folder, "spent");
+  std::string output;
+  const auto command = fmt::format(
+      "cd {} && python3 -m zipfile -e {} fmu && cc -std=c99 -Wall -Wextra -I{} {} -lm -o spent && "
+      "./spent fmu/resources $(grep -o 'guid=\"[^\"]*\"' fmu/modelDescription.xml | cut -d'\"' -f2)",
+      folder,
+      file,
+      test::SourcePath("model/export/runtime"),
+      test::SourcePath("tests/model/export/fmu_spent.c"));
+  EXPECT_EQ(test::RunCommand(command, output), 0) << output;
+}
+
 TEST(Fmi, RefusesAnotherVersion) {
   try {
     (void)ExportFmi(test::RequestOf(LoadCell("gifi-600mAh-1"), "1"));
