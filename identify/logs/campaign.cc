@@ -271,7 +271,8 @@ Campaign ReadCampaign(const std::string& file) {
     return ParseCampaign(text, file);
   } catch (const LoadError& error) {
     std::vector<Diagnostic> problems = error.diagnostics();
-    problems.back().message += fmt::format(
+    if (!problems.front().message.starts_with("not a campaign in TOML")) throw;
+    problems.front().message += fmt::format(
         ". If this is a log, lipoid inspect {} --write-campaign campaign.toml drafts a campaign",
         ForeignText(file));
     throw LoadError(std::move(problems));

@@ -129,16 +129,19 @@ std::size_t WithoutCell(const Record& record, double largest_A, const Inward& in
   const Column& v = record.voltage_V;
   const auto at_rest = [&](std::size_t row) { return std::abs(i[row]) <= kRest * largest_A; };
   std::size_t rows = 0;
+  double usual_V = 0.0;
   double highest_V = -std::numeric_limits<double>::infinity();
   for (int steps = 0; rows + 1 < v.size() && at_rest(inward(rows)) && steps < kMostSteps;) {
     highest_V = std::max(highest_V, v[inward(rows)]);
     const std::size_t next = inward(++rows);
     if (v[next] - highest_V < kLeastJump_V) continue;
-    ++steps;
+    if (steps++ == 0) usual_V = Median(std::vector<double>(v.begin(), v.end()));
     Extent others;
     for (std::size_t k = rows; k < v.size(); ++k) {
-      others.least = std::min(others.least, v[inward(k)]);
-      others.most = std::max(others.most, v[inward(k)]);
+      const std::size_t row = inward(k);
+      if (at_rest(row) && v[row] < kNoCell * usual_V) continue;  // the same at the other end
+      others.least = std::min(others.least, v[row]);
+      others.most = std::max(others.most, v[row]);
     }
     const double margin_V = std::max(kLeastJump_V, kBeyond * (others.most - others.least));
     const bool lower =

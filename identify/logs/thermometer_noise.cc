@@ -67,9 +67,13 @@ std::vector<double> WithoutThermometerNoise(std::span<const double> time_s,
                                             std::span<const double> shown,
                                             double noise) {
   std::vector<double> smooth(shown.begin(), shown.end());
+  // Of long logs less: a second of work at most.
+  constexpr std::size_t kMostWork = 16'000'000;
+  const std::size_t most_reach =
+      std::clamp<std::size_t>(kMostWork / std::max<std::size_t>(shown.size(), 1), 8, kMostReach);
   for (std::size_t row = 0; row < shown.size(); ++row) {
     double error = 1.5;  // of the row itself, which may be one of many that is far off
-    for (std::size_t reach = kLeastReach; reach <= kMostReach; reach *= 2) {
+    for (std::size_t reach = kLeastReach; reach <= most_reach; reach *= 2) {
       const std::size_t first = row - std::min(row, reach);
       const std::size_t last = std::min(row + reach, shown.size() - 1);
       if (last - first < 2 * kLeastReach) continue;

@@ -15,7 +15,7 @@ namespace lipoid {
 [[nodiscard]] double ThermometerNoise(std::span<const double> shown);
 
 /// For each row what a parabola through the rows around it has there: as many rows as leave residuals of
-/// that noise, so that edges of a warming stay, and at most 128 to either side.
+/// that noise, so that edges of a warming stay, and at most 128 to either side, fewer in logs of more than 125,000 rows.
 [[nodiscard]] std::vector<double> WithoutThermometerNoise(std::span<const double> time_s,
                                                           std::span<const double> shown,
                                                           double noise);

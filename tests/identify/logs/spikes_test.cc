@@ -59,6 +59,9 @@ TEST(Spikes, RowsAtRestBeforeAndAfterTheCellHaveNone) {
   EXPECT_EQ(FindRowsWithoutCell(ends).last, 3U);
   ends.voltage_V[record.size()] = 1.4;
   EXPECT_EQ(FindRowsWithoutCell(ends).last, 4U);
+  for (std::size_t k = 0; k < 7; ++k) ends.voltage_V[k] = 1.2;  // at both ends
+  EXPECT_EQ(FindRowsWithoutCell(ends).first, 7U);
+  EXPECT_EQ(FindRowsWithoutCell(ends).last, 4U);
   // Under a load it is another matter.
   for (std::size_t k = record.size(); k < ends.size(); ++k) ends.current_A[k] = 4.0;
   EXPECT_EQ(FindRowsWithoutCell(ends).last, 0U);
