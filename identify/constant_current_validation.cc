@@ -67,8 +67,7 @@ std::vector<ConstantCurrentErrors> ValidateConstantCurrents(
           "a discharge for each constant-current log",
           {{"discharges", static_cast<double>(measured.size())},
            {"logs", static_cast<double>(constant.size())}});
-  Cell one = cell;
-  one.series = one.parallel = 1;  // the records are those of one cell
+  Cell one = cell.AsOne();  // the records are those of one cell
   std::vector<ConstantCurrentErrors> errors(constant.size());
   ParallelFor(constant.size(), [&](std::size_t k) {
     const LoadedLog& log = *constant[k];

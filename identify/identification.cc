@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/constant_current_validation.h"
+#include "identify/fit_doubts.h"
 #include "identify/health/flights_report.h"
 #include "identify/health/health_report.h"
 #include "identify/joint/held_shape.h"
@@ -189,8 +190,7 @@ void TakeFlights(Identification& found, const std::vector<LoadedLog>& logs) {
   }
   flights.refused.insert(flights.refused.end(), of_others.begin(), of_others.end());
   const auto errors_of = [&](const Cell& of, bool validation) {
-    Cell one = of;
-    one.series = one.parallel = 1;
+    Cell one = of.AsOne();
     const std::vector<LogKind> kinds =
         validation ? std::vector{LogKind::kValidation} : found.fitted_kinds();
     std::vector<LogErrors> errors;
@@ -252,40 +252,6 @@ FitQuality QualityOf(const Identification& found,
                   found.staged->constant_current,
                   moved_C,
                   campaign.capacity_Ah);
-}
-
-// Stage 3 takes as exact what stands in for a log that is not there.
-std::string DoubtAboutStandIns(const StagedResult& staged) {
-  std::vector<std::string> missing;
-  if (staged.from_rests) missing.emplace_back("v_oc(A) is that of rests, without a low-rate log");
-  if (staged.fitted_kind == LogKind::kConstantCurrent)
-    missing.emplace_back("there were discharges for stage 3, and no pulses");
-  if (missing.empty()) return "";
-  return fmt::format(
-      "{}: beta and the branches may lie far outside their intervals, which do not count that; --method joint fits "
-      "all logs together",
-      fmt::join(missing, ", and "));
-}
-
-// Why the cell is no older or younger state of the reference; "" where it may be. With alpha, beta and
-// the resistances bent, a short test fits with the file of quite another cell.
-std::string DoubtAboutReference(const HeldShape& held, const Identification& found) {
-  const QuantityTrust* alpha = FindQuantity(found.trust, "alpha");
-  const bool known = alpha != nullptr && std::isfinite(alpha->standard_error);
-  const double least_C = known ? alpha->low : found.cell.alpha_C();
-  const double most_C = known ? alpha->high : found.cell.alpha_C();
-  const double of_charge = found.cell.alpha_C() / held.cell.alpha_C();
-  const double of_resistance = TotalResistance(found.cell, 0.5) / TotalResistance(held.cell, 0.5);
-  if (least_C <= kMostCapacityOfNew * held.cell.alpha_C() &&
-      most_C >= kLeastCapacityOfNew * held.cell.alpha_C() &&
-      of_resistance >= kLeastResistanceOfNew && of_resistance <= kMostResistanceOfNew)
-    return "";
-  return fmt::format(
-      "the cell would have {:.2g} times the charge and {:.2g} times the resistance of the reference {}, and no "
-      "cell ages so: is that the file of another cell? Then leave --reference out, or give the right one",
-      of_charge,
-      of_resistance,
-      held.source);
 }
 
 // The first line is of the logs that were fitted. Where others are described far worse it says too much.
@@ -479,16 +445,20 @@ Identification Identify(const Campaign& campaign,
   }
   found.log_notes = NotesOnLogs(logs);
   const auto of_low_rate = found.joint ? LowRateCurve(found.joint->staged, logs) : std::nullopt;
-  Cell one = found.cell;
-  one.series = one.parallel = 1;
+  Cell one = found.cell.AsOne();
   if (of_low_rate) one.open_circuit_voltage = *of_low_rate;
   for (const LoadedLog& log : logs) {
     if (found.staged && log.entry.kind == LogKind::kLowRateCharge)
       found.log_notes.push_back(fmt::format(
           "{}: the staged method does not use a slow charge; --method joint does", log.entry.file));
   }
+  // Where a logger reads the current a row late, what seems at rest is under load.
+  const bool late = std::any_of(logs.begin(), logs.end(), [](const LoadedLog& log) {
+    return !DoubtAboutLag(log.log.record).empty();
+  });
   std::vector<StartDoubt> starts;
   for (const LoadedLog& log : logs) {
+    if (late) break;
     if (log.entry.kind == LogKind::kFlight) continue;  // starts anywhere
     auto doubt = DoubtOfStart(
         one, log.log.record, log.entry.initial_soc, SurroundingsOf(log.log.record, log.entry));
@@ -514,42 +484,7 @@ Identification Identify(const Campaign& campaign,
       !doubts.empty())
     found.log_notes.push_back(std::move(doubts));
   found.quality = QualityOf(found, campaign, logs);
-  if (auto doubt = DoubtAboutCutoff(found.cell.cutoff_V); !doubt.empty())
-    found.quality.Doubt(std::move(doubt));
-  if (!found.converged) {
-    const bool cut_short =
-        found.joint && found.joint->choice.best.termination == Termination::kMaxIterations;
-    found.quality.Doubt(
-        std::string("the search ended before it had converged") +
-        (cut_short ? ", at its most iterations (joint.iterations_per_variable)" : ""));
-  }
-  if (found.staged) {
-    if (auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty())
-      found.quality.Doubt(std::move(doubt));
-    if (auto doubt = DoubtAboutStandIns(*found.staged); !doubt.empty())
-      found.quality.Doubt(std::move(doubt));
-  }
-  std::vector<std::string> stuck;
-  for (const LoadedLog& log : logs) {
-    if (TakesPartInLabFit(log.entry.kind) && !log.log.report.stuck_voltage.empty())
-      stuck.push_back(log.entry.file);
-  }
-  if (!stuck.empty()) {
-    found.quality.Doubt(fmt::format("the voltage of {} was not measured throughout, as {}",
-                                    fmt::join(stuck, ", "),
-                                    stuck.size() == 1 ? "its warning says" : "their warnings say"));
-  }
-  if (found.joint && !found.joint->alpha_doubt.empty())
-    found.quality.Doubt(found.joint->alpha_doubt,
-                        found.joint->alpha_not_found ? FitGrade::kPoor : FitGrade::kFair);
-  if (const auto& held = options.given.reference) {
-    if (const auto doubt = DoubtAboutFit(held->cell); !doubt.empty())
-      found.log_notes.push_back(fmt::format("{}: {}", held->source, doubt));
-    if (auto doubt = DoubtAboutReference(*held, found); !doubt.empty())
-      found.quality.Doubt(std::move(doubt));
-    if (const auto& move = found.joint->held_curve; move && move->doubted())
-      found.quality.Doubt(DoubtAboutHeldCurve(held->source, *move));
-  }
+  DoubtTheFit(found, campaign, logs, options);
   NoteOnOtherLogs(found);
   NoteOnToldTemperatures(found, logs);
   if (auto doubt = DoubtAboutStillTemperatures(found.cell, logs); !doubt.empty())

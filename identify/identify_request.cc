@@ -20,8 +20,7 @@ IdentifyOptions IdentifyRequest::Resolve() {
   }
   if (reference.given()) {
     HeldShape held{.source = reference.name(),
-                   .cell = reference.cell ? *reference.cell : LoadCell(reference.path)};
-    held.cell.series = held.cell.parallel = 1;
+                   .cell = (reference.cell ? *reference.cell : LoadCell(reference.path)).AsOne()};
     options.given.reference = std::make_shared<const HeldShape>(std::move(held));
   }
   CheckIdentifyOptions(options);

@@ -36,8 +36,7 @@ std::string DoubtAboutStillTemperatures(const Cell& cell, const std::vector<Load
   constexpr double kLeast_K = 5.0;
   constexpr double kShare = 0.1;
   constexpr double kMost_K = 3.0;  // a tenth of what any test of a cell warms it by
-  Cell one = cell;
-  one.series = one.parallel = 1;
+  Cell one = cell.AsOne();
   if (!one.temperature) one = WithTypicalTemperature(std::move(one));
   one.temperature->heat = TypicalHeat(one.alpha_C() / 3600.0);
   std::vector<std::string> still;

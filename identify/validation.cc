@@ -59,8 +59,7 @@ LogErrors Validate(const Cell& cell,
 }
 
 LogErrors Validate(const Cell& cell, const LoadedLog& log) {
-  Cell one = cell;
-  one.series = one.parallel = 1;
+  const Cell one = cell.AsOne();
   LogErrors errors = Validate(
       one, log.log.record, log.entry.initial_soc, SurroundingsOf(log.log.record, log.entry));
   errors.file = log.entry.file;
@@ -151,22 +150,28 @@ std::string DoubtAboutLoadedStart(const Cell& one, const Record& record, double 
 
 std::string DoubtAboutStart(const Cell& pack, const Record& record, double initial_soc) {
   if (record.voltage_V.empty()) return "";
+  Record divided;
+  const Record* of_one = &record;
   if (pack.series > 1 || pack.parallel > 1) {
-    Record of_one = record;
-    DivideByPack(of_one, pack.series, pack.parallel);
-    if (const int cells = LoggedSeries(of_one, pack.open_circuit_voltage, pack.series);
-        cells != pack.series) {
-      return fmt::format(
-          "has the voltage of {}, not of {} in series: it does not say where these start, and only its current is used",
-          Counted(static_cast<std::size_t>(cells), "cell"),
-          pack.series);
-    }
-    Cell one = pack;
-    one.series = one.parallel = 1;
-    return DoubtAboutStart(one, of_one, initial_soc);
+    divided = record;
+    DivideByPack(divided, pack.series, pack.parallel);
+    of_one = &divided;
   }
-  const auto at_rest = DoubtOfStart(pack, record, initial_soc, SurroundingsOf(record, {}));
-  return at_rest ? Sentence(*at_rest) : DoubtAboutLoadedStart(pack, record, initial_soc);
+  const double most_V = FindExtent(of_one->voltage_V).most;
+  const int cells = most_V > kMostCell_V
+                        ? CellsInSeries(most_V * pack.series)
+                        : LoggedSeries(*of_one, pack.open_circuit_voltage, pack.series);
+  if (cells != pack.series) {
+    return fmt::format(
+        "has the voltage of {}, not of {} in series: it does not say where these start, and only its current is used; for "
+        "a pack of so many say --series {}",
+        Counted(static_cast<std::size_t>(cells), "cell"),
+        pack.series,
+        cells);
+  }
+  const Cell one = pack.AsOne();
+  const auto at_rest = DoubtOfStart(one, *of_one, initial_soc, SurroundingsOf(*of_one, {}));
+  return at_rest ? Sentence(*at_rest) : DoubtAboutLoadedStart(one, *of_one, initial_soc);
 }
 
 std::string DoubtsAboutStarts(std::vector<StartDoubt> doubts, std::string_view of_others) {

@@ -2,8 +2,8 @@
 """Holds docs/architecture.md and docs/adding.md to the code.
 
 Every file and folder that they name exists; every folder of model/ and identify/ stands in the table of rooms; no
-#include runs against the arrows model <- identify <- tools; and no source names a document that is no
-part of the project. Prints what it counted; exit code 1 where something does not hold.
+#include runs against the arrows model <- identify <- tools; no source names a document that is no
+part of the project; and none reads a number by the locale, which in Python is that of another. Prints what it counted; exit code 1 where something does not hold.
 """
 
 import pathlib
@@ -17,6 +17,9 @@ MODEL = ("core", "statistics", "battery", "vehicle", "control", "flight", "analy
 SOURCES = (".cc", ".h", ".py", ".md", ".txt", ".cmake")
 # Documents of others that a source may have been written from, but that a reader does not have.
 FOREIGN = re.compile(r"\b(?:design|errata|targets|STYLE)\.md\b")
+
+# A decimal comma of the process' locale makes 0 of "0.5".
+BY_LOCALE = re.compile(r"\b(?:strtod|strtof|stod|stof|atof|setlocale)\b")
 
 
 def named_paths(text):
@@ -66,7 +69,7 @@ def problems_of_includes():
 def problems_of_citations():
     count = 0
     problems = []
-    for layer in (*LAYERS, "tests", "docs"):
+    for layer in (*LAYERS, "python", "tests", "docs"):
         for file in sorted((ROOT / layer).rglob("*")):
             if file.suffix not in SOURCES or file == pathlib.Path(__file__).resolve():
                 continue
@@ -75,6 +78,9 @@ def problems_of_citations():
                 if FOREIGN.search(line):
                     problems.append(f"{file.relative_to(ROOT)}:{number}: cites a document that is no part "
                                     f"of the project: {line.strip()}")
+                if file.suffix in (".cc", ".h") and layer in (*LAYERS, "python") and BY_LOCALE.search(line):
+                    problems.append(f"{file.relative_to(ROOT)}:{number}: reads a number by the locale "
+                                    f"(std::from_chars does not): {line.strip()}")
     return count, problems
 
 

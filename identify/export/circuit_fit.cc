@@ -8,6 +8,7 @@
 
 #include "identify/export/law_limits.h"
 #include "identify/fit/bounded_quadratic.h"
+#include "model/battery/soc_table.h"
 
 namespace lipoid {
 namespace {
@@ -110,7 +111,7 @@ class LinearPart {
       rows.row(filled) = state.transpose();
       rows(filled, place.node) = (1.0 - place.share) * mission.current_A[k];
       rows(filled, place.node + 1) = place.share * mission.current_A[k];
-      lacks[filled] = Interpolated(circuit.open_circuit.soc, circuit.open_circuit.voltage_V, soc) -
+      lacks[filled] = OverSoc(circuit.open_circuit.soc, circuit.open_circuit.voltage_V, soc) -
                       one_.reference.voltage_V[k];
       if (++filled == kBlock) flush();
     }

@@ -15,7 +15,6 @@
 #include <sstream>
 
 #include "identify/export/frame_json.h"
-#include "identify/logs/csv/cells.h"
 #include "identify/logs/plausibility.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/ranges.h"
@@ -26,6 +25,7 @@
 #include "model/core/nearest_name.h"
 #include "model/core/special_values.h"
 #include "model/core/structured_text.h"
+#include "model/core/text_cells.h"
 #include "model/export/ardupilot_law.h"
 #include "model/export/cell_tables.h"
 #include "model/export/provenance.h"

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string_view>
 
-#include "identify/logs/csv/cells.h"
 #include "identify/logs/csv/text_source.h"
 #include "identify/validation.h"
 #include "model/battery/arrhenius.h"
@@ -16,6 +15,7 @@
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
+#include "model/core/text_cells.h"
 #include "model/export/export_error.h"
 
 namespace lipoid {
@@ -128,7 +128,7 @@ PowerProfile ReadPowerRows(const std::string& file, Hold hold) {
 }
 
 // The current of one cell that gives this power at the end of a step; none where that is below the
-// cut-off. `advanced` has charge and states before the step.
+// cut-off.
 std::optional<double> CurrentOfPower(const CellModel<double>& model,
                                      const CellModel<double>::State& before,
                                      const CellModel<double>::Step& step,
@@ -137,9 +137,10 @@ std::optional<double> CurrentOfPower(const CellModel<double>& model,
                                      double cutoff_V,
                                      double largest_A) {
   if (power_W == 0.0) return 0.0;
+  CellModel<double>::State after = before;
   const auto voltage = [&](double current_A) {
     if (!moves) return model.Voltage(before, current_A);
-    CellModel<double>::State after = before;
+    after = before;
     model.Advance(after, current_A, step);
     return model.Voltage(after, current_A);
   };

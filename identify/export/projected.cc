@@ -10,12 +10,6 @@
 namespace lipoid {
 namespace {
 
-Cell OneOf(Cell cell) {
-  cell.series = 1;
-  cell.parallel = 1;
-  return cell;
-}
-
 ExportMission ShareOf(ExportMission mission, int parallel) {
   for (double& current_A : mission.current_A) current_A /= parallel;
   return mission;
@@ -24,9 +18,9 @@ ExportMission ShareOf(ExportMission mission, int parallel) {
 }  // namespace
 
 SingleCell::SingleCell(const ExportRequest& request)
-    : cell(OneOf(request.cell)),
+    : cell(request.cell.AsOne()),
       mission(ShareOf(request.mission, request.cell.parallel)),
-      reference(ReferenceOf(OneOf(request.Whole()), mission)),
+      reference(ReferenceOf(request.Whole().AsOne(), mission)),
       drawn_Ah(ChargeDrawn_Ah(cell, mission)) {}
 
 double SingleCell::TypicalResistance() const {

@@ -4,6 +4,7 @@
 
 #include "identify/export/circuit_fit.h"
 #include "identify/export/fitted_targets.h"
+#include "model/battery/soc_table.h"
 #include "model/export/provenance.h"
 
 namespace lipoid {
@@ -29,7 +30,7 @@ Exported ExportSimscape(const ExportRequest& request) {
   soc.erase(std::unique(soc.begin(), soc.end()), soc.end());
   const auto over_all = [&](const std::vector<double>& nodes, const std::vector<double>& values) {
     std::vector<double> list;
-    for (const double at : soc) list.push_back(Interpolated(nodes, values, at));
+    for (const double at : soc) list.push_back(OverSoc(nodes, values, at));
     return list;
   };
   std::string script = Commented(ProvenanceLines(request, exported), "% ");

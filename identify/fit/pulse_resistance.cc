@@ -40,26 +40,28 @@ JointLogs TestOf(const JointRates& rates,
     log.unit.push_back(JointLog::kAlways);
   };
   add(0.0, 0.0, 0.0, 1.0);
-  log.interval.push_back(0);
+  log.steps.to.push_back(0);
   for (const double after_s : question.after_s) {
     const double from_s = log.time_s.back();
     const int steps = static_cast<int>(std::ceil((after_s - from_s) / kLongestStep_s));
     const double step_s = (after_s - from_s) / steps;
     for (int k = 1; k <= steps; ++k) {
-      log.interval.push_back(static_cast<std::uint32_t>(log.interval_s.size()));
+      log.steps.to.push_back(static_cast<std::uint32_t>(log.steps.length_s.size()));
       const bool last = k == steps;
       add(last ? after_s : from_s + k * step_s,
           question.current_A,
           question.current_A,
           last ? 1.0 : 0.0);
     }
-    log.interval_s.push_back(step_s);
-    if (question.temperature_degC)
-      log.interval_K.push_back(*question.temperature_degC + kZeroCelsius_K);
+    log.steps.length_s.push_back(step_s);
   }
   log.rows = log.size();
-  if (question.temperature_degC)
-    log.temperature_K.assign(log.size(), *question.temperature_degC + kZeroCelsius_K);
+  if (question.temperature_degC) {
+    const double temperature_K = *question.temperature_degC + kZeroCelsius_K;
+    log.temperature_K.assign(log.size(), temperature_K);
+    log.warm_steps = log.steps;
+    log.warm_steps.start_K.assign(log.steps.length_s.size(), temperature_K);
+  }
   JointLogs logs;
   logs.logs.push_back(std::move(log));
   logs.typical_A = typical_A;

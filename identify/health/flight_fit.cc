@@ -387,6 +387,28 @@ void WidenTo(const std::vector<SearchEnd>& ends,
   if (after > kWorthSaying * kWorthSaying * before) fit.nearly_as_likely = other;
 }
 
+// What was believed of the capacity and what the flight says exclude one another.
+void FindAgainstBelief(const std::vector<SearchEnd>& ends,
+                       const SearchEnd& found,
+                       const FlightSearch& search,
+                       double spread,
+                       FlightFit& fit) {
+  constexpr double kFar = 2.0;   // of what was believed
+  constexpr double kMuch = 3.0;  // in the logarithm of the likelihood
+  const auto by_voltages = [&](const SearchEnd& end) {
+    const double off = search.Unknowns(end)[U::kCapacity] / spread;
+    return end.minus_log_likelihood - 0.5 * off * off;
+  };
+  double least = by_voltages(found) - kMuch;
+  for (const SearchEnd& end : ends) {
+    const double log_capacity = search.Unknowns(end)[U::kCapacity];
+    if (!end.converged || std::abs(log_capacity) <= kFar * spread || by_voltages(end) >= least)
+      continue;
+    least = by_voltages(end);
+    fit.against_belief = log_capacity;
+  }
+}
+
 }  // namespace
 
 FlightFit FitFlight(const ReferenceCell& reference,
@@ -405,13 +427,16 @@ FlightFit FitFlight(const ReferenceCell& reference,
   // too, and the likelier end is taken.
   constexpr double kNearlyEmpty = 0.1;
   constexpr double kMuchSmaller = -0.5;  // a factor of 0.6
+  std::vector<SearchEnd> others;
   const double used = StartGuess(reference, flight) - kNearlyEmpty;
   const double charge_C = DeliveredCharge(flight.record).back();
   if (used > 0.0 && charge_C > 0.0) {
     const double small = std::log(charge_C / used / reference.cell.alpha_C());
-    if (small < kMuchSmaller)
-      take_clearly_likelier(
+    if (small < kMuchSmaller) {
+      others.push_back(
           search.From({std::max(small, kLowestLogCapacity), {0.005, 0.005, 2.0, 0.005, 60.0}}));
+      take_clearly_likelier(others.back());
+    }
   }
   // v_oc(A) has kinks, to which a short flight of little noise fits in many places: each is the end of
   // searches that begin with this little noise. With more of it they begin as if most of the kinks were none.
@@ -421,6 +446,8 @@ FlightFit FitFlight(const ReferenceCell& reference,
   ends.push_back(first);
   FlightFit fit = search.Fit(found);
   WidenTo(ends, found, search, fit);
+  others.insert(others.end(), ends.begin(), ends.end());
+  FindAgainstBelief(others, found, search, reference.spread.log_capacity, fit);
   return fit;
 }
 

@@ -33,6 +33,8 @@ struct FlightFit {
   /// ln of the capacity of another end of the search, over the reference's, where that end is nearly as likely
   /// and widens the error of the capacity by a quarter or more.
   std::optional<double> nearly_as_likely;
+  /// The same of an end that the voltages take for far likelier, and only what was believed of the capacity does not.
+  std::optional<double> against_belief;
   /// What flowed between the values of the current more than they show (unresolved_current.h), its variance, and its
   /// covariance with the unknowns.
   double uncounted_C = 0.0;

@@ -261,6 +261,13 @@ void RefuseIdleFlight(const Record& record, double capacity_Ah) {
 
 std::vector<std::string> FlightSamples::Said() const {
   std::vector<std::string> said;
+  if (coherence < kCoherent) {
+    said.push_back(fmt::format(
+        "voltage and current are not of the same instant, or the current hardly changes: their changes agree to "
+        "{:.0f} % at best, over windows of {:.2g} s, so that fast drops are not resolved and the resistance may be too small",
+        100.0 * coherence,
+        window_s));
+  }
   if (unfollowed_share > 0.0) {
     said.push_back(fmt::format(
         "the current wavers by {:.2g} % of its largest value from row to row, and the voltage does not follow: that is "

@@ -62,7 +62,8 @@ struct FlightSamples {
 
   /// The shortest time after a step of the current that the samples tell from the step itself.
   [[nodiscard]] double settle_s() const { return 2.0 * std::max(window_s, voltage_update_s); }
-  /// Sentences on what was taken out of the log: that noise, a voltage that stood still.
+  /// Sentences on what to think of the log: changes that do not agree, and what was taken out of it, that
+  /// noise, a voltage that stood still.
   [[nodiscard]] std::vector<std::string> Said() const;
   /// Values at all rows of the record as the windows see them: taken `after_s` earlier, with straight
   /// lines between rows, and averaged.

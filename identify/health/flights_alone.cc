@@ -15,6 +15,7 @@
 #include "identify/trust/cell_uncertainty.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/error_metrics.h"
+#include "model/core/parallel.h"
 
 namespace lipoid {
 namespace {
@@ -24,9 +25,32 @@ constexpr double kSlowestBranch_s = 30.0;
 // Nodes of v_oc(A) at least so far apart.
 constexpr double kNodes = 0.04;
 
+struct Flown {
+  CampaignLog entry;  // its start may be put elsewhere
+  const Log* log = nullptr;
+  FlightSamples samples;
+};
+
+// All that are refused are told of together.
+std::vector<Flown> SampleFlights(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+  std::vector<Flown> flown;
+  std::vector<Diagnostic> refused;
+  for (const LoadedLog& loaded : logs) {
+    if (loaded.entry.kind != LogKind::kFlight) continue;
+    const auto wrong =
+        DiagnosticsOf([&] { RefuseIdleFlight(loaded.log.record, campaign.capacity_Ah); });
+    refused.insert(refused.end(), wrong.begin(), wrong.end());
+    flown.push_back({loaded.entry, &loaded.log, {}});
+  }
+  if (!refused.empty()) throw LoadError(std::move(refused));
+  ParallelFor(flown.size(), [&](std::size_t k) { flown[k].samples = SampleFlight(*flown[k].log); });
+  return flown;
+}
+
 // The windows of a flight as points of the joint fit. The charge is that of all rows; the current at
 // a point is the mean over its window, `lag_s` earlier, as its voltage is.
-JointLog PointsOf(const FlightSamples& flight, const LoadedLog& loaded, double alpha_C) {
+JointLog PointsOf(const Flown& flown, double alpha_C) {
+  const FlightSamples& flight = flown.samples;
   const Record& record = flight.record;
   const auto rows = static_cast<Eigen::Index>(record.size());
   const std::vector<double> delivered = DeliveredCharge(record);
@@ -36,11 +60,11 @@ JointLog PointsOf(const FlightSamples& flight, const LoadedLog& loaded, double a
         record.current_A[static_cast<std::size_t>(k)];
   const Eigen::MatrixXd in = flight.InWindows(columns, flight.lag_s);
   JointLog log;
-  log.file = loaded.entry.file;
+  log.file = flown.entry.file;
   log.kind = LogKind::kFlight;
-  log.delivered_C = alpha_C * (1.0 - loaded.entry.initial_soc) + in(0, 0);
+  log.delivered_C = alpha_C * (1.0 - flown.entry.initial_soc) + in(0, 0);
   log.rows = record.size();
-  log.log_weight = loaded.entry.weight;
+  log.log_weight = flown.entry.weight;
   log.shortest_s = std::max(flight.window_s, flight.voltage_update_s);
   log.longest_s = kSlowestBranch_s;
   const auto n = flight.windows.size();
@@ -56,8 +80,8 @@ JointLog PointsOf(const FlightSamples& flight, const LoadedLog& loaded, double a
     log.group.push_back(JointLog::kAlways);
     log.stretch.push_back(JointLog::kAlways);
     log.unit.push_back(JointLog::kAlways);
-    log.interval_s.push_back(step_s);
-    log.interval.push_back(static_cast<std::uint32_t>(w));
+    log.steps.length_s.push_back(step_s);
+    log.steps.to.push_back(static_cast<std::uint32_t>(w));
   }
   return log;
 }
@@ -145,29 +169,22 @@ void DoubtThePack(const Campaign& campaign, FlightsAlone& found) {
   }
 }
 
-FlightsAlone FitFlightsAlone(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+FlightsAlone FitFlightsAlone(const Campaign& campaign, const std::vector<const Flown*>& flights) {
   FlightsAlone found;
   const double alpha_C = 3600.0 * campaign.capacity_Ah;
   std::vector<JointLog> points;
-  std::vector<Diagnostic> refused;
-  for (const LoadedLog& loaded : logs) {
-    if (loaded.entry.kind != LogKind::kFlight) continue;
-    try {
-      RefuseIdleFlight(loaded.log.record, campaign.capacity_Ah);
-    } catch (const LoadError& error) {
-      refused.insert(refused.end(), error.diagnostics().begin(), error.diagnostics().end());
-      continue;
-    }
-    const FlightSamples flight = SampleFlight(loaded.log);
-    points.push_back(PointsOf(flight, loaded, alpha_C));
-    found.flights.push_back({loaded.entry.file,
-                             loaded.entry.initial_soc,
+  for (const Flown* flown : flights) {
+    const CampaignLog& entry = flown->entry;
+    const FlightSamples& flight = flown->samples;
+    points.push_back(PointsOf(*flown, alpha_C));
+    found.flights.push_back({entry.file,
+                             entry.initial_soc,
                              false,
                              flight.lag_s,
                              flight.window_s,
                              flight.coherence,
                              {}});
-    if (const auto& told = loaded.log.report.flight) {
+    if (const auto& told = flown->log->report.flight) {
       const int series = campaign.series == 1 ? told->cells : campaign.series;  // 1: not said
       for (std::string& doubt :
            DoubtsAboutPack(*told, series, campaign.parallel * campaign.capacity_Ah)) {
@@ -176,18 +193,10 @@ FlightsAlone FitFlightsAlone(const Campaign& campaign, const std::vector<LoadedL
       }
     }
     for (const std::string& said : flight.Said())
-      found.cautions.push_back(fmt::format("{}: {}", loaded.entry.file, said));
+      found.cautions.push_back(fmt::format("{}: {}", entry.file, said));
     if (!flight.doubt.empty())
-      found.doubts.push_back(fmt::format("{}: {}", loaded.entry.file, flight.doubt));
-    if (flight.coherence < kCoherent) {
-      found.cautions.push_back(fmt::format(
-          "{}: voltage and current are not of the same instant (their changes agree to {:.0f} %): "
-          "the resistance is too small",
-          loaded.entry.file,
-          100.0 * flight.coherence));
-    }
+      found.doubts.push_back(fmt::format("{}: {}", entry.file, flight.doubt));
   }
-  if (!refused.empty()) throw LoadError(std::move(refused));
   found.logs = AllOf(std::move(points));
   std::tie(found.lowest_soc, found.highest_soc) = SocRange(found.logs, alpha_C);
 
@@ -254,21 +263,22 @@ FlightsAlone FitFlightsAlone(const Campaign& campaign, const std::vector<LoadedL
 // the others has the voltage that they rest at, the highest first.
 class Starts {
  public:
-  Starts(const Campaign& campaign, std::vector<LoadedLog> logs)
-      : campaign_(campaign), logs_(std::move(logs)) {
-    for (std::size_t k = 0; k < logs_.size(); ++k)
-      rest_V_.push_back(RestVoltage(logs_[k].log.record));
+  Starts(const Campaign& campaign, std::vector<Flown> flights)
+      : campaign_(campaign), flights_(std::move(flights)) {
+    for (const Flown& flown : flights_) rest_V_.push_back(RestVoltage(flown.log->record));
   }
 
   FlightsAlone Find() {
     PlaceTold();
-    while (known_.size() < logs_.size()) PlaceNext();
+    while (known_.size() < flights_.size()) PlaceNext();
+    std::vector<const Flown*> all;
+    for (const Flown& flown : flights_) all.push_back(&flown);
     // With all flights the curve is another than that of the first.
-    FlightsAlone found = FitFlightsAlone(campaign_, logs_);
+    FlightsAlone found = FitFlightsAlone(campaign_, all);
     for (int round = 0; round < kRounds && !placed_.empty(); ++round) {
       for (const std::size_t k : placed_)
-        logs_[k].entry.initial_soc = found.cell.open_circuit_voltage.SocAtVoltage(*rest_V_[k]);
-      found = FitFlightsAlone(campaign_, logs_);
+        flights_[k].entry.initial_soc = found.cell.open_circuit_voltage.SocAtVoltage(*rest_V_[k]);
+      found = FitFlightsAlone(campaign_, all);
     }
     for (const std::size_t k : placed_) found.flights[k].start_found = true;
     return found;
@@ -279,7 +289,7 @@ class Starts {
   static constexpr double kSame_V = 0.005;  // of two cells that rest at the same state of charge
 
   [[nodiscard]] LoadError Missing(std::size_t k, const std::string& why) const {
-    const CampaignLog& entry = logs_[k].entry;
+    const CampaignLog& entry = flights_[k].entry;
     return LoadError(
         entry.position.file.empty() ? SourcePosition{entry.file} : entry.position,
         fmt::format("{} {}: give initial_soc, the state of charge at its start", entry.file, why));
@@ -287,30 +297,30 @@ class Starts {
 
   // Those whose start is told; where none is, the one that rests highest is full.
   void PlaceTold() {
-    for (std::size_t k = 0; k < logs_.size(); ++k) {
-      if (logs_[k].entry.TellsStart()) known_.push_back(k);
+    for (std::size_t k = 0; k < flights_.size(); ++k) {
+      if (flights_[k].entry.TellsStart()) known_.push_back(k);
     }
-    for (std::size_t k = 0; k < logs_.size(); ++k) {
-      if (!logs_[k].entry.TellsStart() && !rest_V_[k])
+    for (std::size_t k = 0; k < flights_.size(); ++k) {
+      if (!flights_[k].entry.TellsStart() && !rest_V_[k])
         throw Missing(
             k, "begins under load, so that its start cannot be compared with those of the others");
     }
     if (!known_.empty()) return;
     const auto highest = std::max_element(rest_V_.begin(), rest_V_.end());
-    for (std::size_t k = 0; k < logs_.size(); ++k) {
+    for (std::size_t k = 0; k < flights_.size(); ++k) {
       if (*rest_V_[k] > **highest - kSame_V) known_.push_back(k);
     }
   }
 
   // The highest of the flights that are left, on the curve of those that are placed.
   void PlaceNext() {
-    std::size_t next = logs_.size();
-    for (std::size_t k = 0; k < logs_.size(); ++k) {
+    std::size_t next = flights_.size();
+    for (std::size_t k = 0; k < flights_.size(); ++k) {
       if (std::find(known_.begin(), known_.end(), k) != known_.end()) continue;
-      if (next == logs_.size() || *rest_V_[k] > *rest_V_[next]) next = k;
+      if (next == flights_.size() || *rest_V_[k] > *rest_V_[next]) next = k;
     }
-    std::vector<LoadedLog> placed;
-    for (const std::size_t k : known_) placed.push_back(logs_[k]);
+    std::vector<const Flown*> placed;
+    for (const std::size_t k : known_) placed.push_back(&flights_[k]);
     const FlightsAlone so_far = FitFlightsAlone(campaign_, placed);
     const OpenCircuitVoltage& curve = so_far.cell.open_circuit_voltage;
     const double low_V = curve(so_far.lowest_soc);
@@ -325,13 +335,13 @@ class Starts {
               low_V,
               high_V));
     }
-    logs_[next].entry.initial_soc = curve.SocAtVoltage(*rest_V_[next]);
+    flights_[next].entry.initial_soc = curve.SocAtVoltage(*rest_V_[next]);
     known_.push_back(next);
     placed_.push_back(next);
   }
 
   const Campaign& campaign_;
-  std::vector<LoadedLog> logs_;
+  std::vector<Flown> flights_;
   std::vector<std::optional<double>> rest_V_;
   std::vector<std::size_t> known_;
   std::vector<std::size_t> placed_;
@@ -340,11 +350,8 @@ class Starts {
 }  // namespace
 
 FlightsAlone IdentifyFlightsAlone(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
-  std::vector<LoadedLog> flights;
-  for (const LoadedLog& loaded : logs) {
-    if (loaded.entry.kind == LogKind::kFlight) flights.push_back(loaded);
-  }
-  if (flights.size() < 2) return FitFlightsAlone(campaign, flights);
+  std::vector<Flown> flights = SampleFlights(campaign, logs);
+  if (flights.size() == 1) return FitFlightsAlone(campaign, {&flights[0]});
   return Starts(campaign, std::move(flights)).Find();
 }
 

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "identify/trust/trust_report.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/prediction.h"
 #include "model/battery/uncertain_cell.h"
@@ -69,11 +68,6 @@ class Moved {
   UncertainCell around_;
 };
 
-Cell OneOf(Cell cell) {
-  cell.series = cell.parallel = 1;
-  return cell;
-}
-
 // What a quantity of a cell can be.
 std::pair<double, double> RangeOf(const std::string& name) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
@@ -88,22 +82,18 @@ Json EndsOf(const WithInterval& value) { return {value.low, value.high}; }
 }  // namespace
 
 std::optional<double> CellQuantity(const Cell& cell, const std::string& name) {
-  const auto bracket = name.find('(');
-  if (bracket == std::string::npos) {
-    return FindCellParameter(name) ? CellParameter(cell, name) : std::nullopt;
-  }
-  const double soc = std::stod(name.substr(bracket + 1));
-  const std::string table = name.substr(0, bracket);
-  if (const auto* one = CellResistance(cell, table)) return (*one)(soc);
-  if (table == "r_total") return TotalResistance(cell, soc);
+  const auto [what, soc] = SplitQuantity(name);
+  if (!soc) return FindCellParameter(what) ? CellParameter(cell, what) : std::nullopt;
+  if (const auto* one = CellResistance(cell, what)) return (*one)(*soc);
+  if (what == "r_total") return TotalResistance(cell, *soc);
   return std::nullopt;
 }
 
 void MoveTrust(const Cell& by_lab, const FlightsWithLab& flights, TrustReport& trust) {
   if (!flights.taken) return;
-  const Cell before = OneOf(by_lab);
+  const Cell before = by_lab.AsOne();
   FlightsWithLab one = flights;
-  one.cell = OneOf(flights.cell);
+  one.cell = flights.cell.AsOne();
   const Moved moved(before, one);
   // With fewer degrees of freedom an interval reaches further.
   const double further = Reach95(flights.cell.uncertainty->degrees_of_freedom) /

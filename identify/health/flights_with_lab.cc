@@ -40,7 +40,7 @@ struct OnCell {
 };
 
 struct Flying {
-  LoadedLog loaded;
+  std::string file;
   FlightSamples samples;
   Surroundings among;
   bool temperature_known = false;
@@ -198,15 +198,14 @@ std::vector<Flying> Prepare(const Cell& cell,
   std::vector<Flying> flying;
   for (const LoadedLog& loaded : logs) {
     if (loaded.entry.kind != LogKind::kFlight) continue;
-    try {
+    const auto wrong = DiagnosticsOf([&] {
       RefuseIdleFlight(loaded.log.record, cell.alpha_C() / 3600.0);
       CheckPlausible(loaded.log.record, cell.alpha_C() / 3600.0);
-    } catch (const LoadError& error) {
-      refused.insert(refused.end(), error.diagnostics().begin(), error.diagnostics().end());
-      continue;
-    }
+    });
+    refused.insert(refused.end(), wrong.begin(), wrong.end());
+    if (!wrong.empty()) continue;
     Flying& one = flying.emplace_back();
-    one.loaded = loaded;
+    one.file = loaded.entry.file;
     one.samples = SampleFlight(loaded.log);
     one.among = {.measured_degC = one.samples.record.temperature_degC,
                  .ambient_degC = loaded.entry.ambient_degC,
@@ -255,8 +254,7 @@ FlightsWithLab FitFlightsWithLab(const Cell& cell, const std::vector<LoadedLog>&
         "against them";
     return found;
   }
-  Cell one = cell;
-  one.series = one.parallel = 1;
+  Cell one = cell.AsOne();
   one.uncertainty = UncertaintyAmong(one, [](const std::string&) { return true; });
   const UncertainCell around(one);
   // In flight a cell warms, also one of which the lab logs do not say how that changes it.
@@ -302,7 +300,7 @@ FlightsWithLab FitFlightsWithLab(const Cell& cell, const std::vector<LoadedLog>&
       const Eigen::Index k = problem.First(f) + u;
       return Symmetric(own[u], covariance(k, k) * deviation[u] * deviation[u], freedom);
     };
-    flight.file = one_flying.loaded.entry.file;
+    flight.file = one_flying.file;
     flight.soc_start = with(U::kStart);
     flight.current_scale = with(U::kScale);
     for (double* value :
@@ -322,11 +320,6 @@ FlightsWithLab FitFlightsWithLab(const Cell& cell, const std::vector<LoadedLog>&
     flight.max_error_percent = errors.max_percent;
     flight.cautions = one_flying.samples.Said();
     if (!one_flying.samples.doubt.empty()) flight.cautions.push_back(one_flying.samples.doubt);
-    if (flight.coherence < kCoherent) {
-      flight.cautions.push_back(fmt::format(
-          "voltage and current are not of the same instant (their changes agree to {:.0f} %)",
-          100.0 * flight.coherence));
-    }
     if (!flight.temperature_known) {
       flight.cautions.emplace_back(
           "the temperature is not known (ambient_degC; of a flight that starts under load initial_degC): the flight "

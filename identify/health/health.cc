@@ -102,13 +102,6 @@ void AddCautions(const FlightSamples& samples,
         "pulled",
         Counted(samples.dropped_rows, "row")));
   }
-  if (samples.coherence < kCoherent) {
-    cautions.push_back(fmt::format(
-        "voltage and current are not of the same instant, or the current hardly changes: their changes agree to "
-        "{:.0f} % at best, over windows of {:.2g} s, so that fast drops are not resolved",
-        100.0 * samples.coherence,
-        samples.window_s));
-  }
   for (std::string& said : samples.Said()) cautions.push_back(std::move(said));
   constexpr double kWorthSaying = 0.005;  // of the charge
   if (samples.unresolved.charge_C > kWorthSaying * std::abs(fit.charge_C)) {
@@ -446,13 +439,16 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
         100.0 * x[U::kStart]);
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
     health.soc_start = health.soc_end = Unknown(because);
-  } else if (is_far) {
+  } else if (is_far || fit.against_belief) {
     // What was believed of the capacity and what the flight says exclude one another.
-    health.capacity_Ah = health.counted_capacity_Ah = Unknown(fmt::format(
+    const std::string because = fmt::format(
         "the flight fits a pack of {:.2g} times the capacity of the new one, which is {:.3g} Ah; give "
-        "the right capacity (--capacity-Ah), unless the current is wrong, or its unit",
-        std::exp(x[U::kCapacity]),
-        reference.cell.alpha_C() / 3600.0));
+        "the right capacity (--capacity-Ah), unless the current is wrong, or its unit{}",
+        std::exp(fit.against_belief.value_or(x[U::kCapacity])),
+        reference.cell.alpha_C() / 3600.0,
+        health.temperature_known ? ", or the temperature is not that of the pack" : "");
+    health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
+    if (fit.against_belief) health.soc_start = health.soc_end = Unknown(because);
   } else {
     // The kinks move each end, and with them the charge that was taken between. They are the same ones for all flights
     // of a pack, so that a trend does not count them.
@@ -507,6 +503,10 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.max_error_percent = fit.max_error_percent;
   DoubtTheRest(reference, record, options.series, health.charge_Ah, health);
   DoubtThatItIsOneFlight(samples, fit, health);
+  if (auto doubt = DoubtAboutHotStart(record); health.doubted_because.empty() && !doubt.empty()) {
+    health.doubted_because = std::move(doubt);
+    Withdraw("the temperature of the first row is none of a pack before a flight", health);
+  }
   DoubtTheCurrent(samples, health);
   DoubtTheFit(health);
   DoubtTheSensor(options.sensors, samples.largest_A, health);
@@ -623,13 +623,11 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
   std::vector<FlightHealth> flights(logs.size());
   std::vector<std::vector<Diagnostic>> problems(logs.size());
   ParallelFor(logs.size(), [&](std::size_t k) {
-    try {
+    problems[k] = DiagnosticsOf([&] {
       RefuseIdleFlight(logs[k].record, busy_Ah);
       RefuseUnknownCharge(logs[k].record, logs[k].report.gaps, busy_Ah, kMostInGaps);
       flights[k] = AssessFlight(reference, report.new_capacity_Ah, logs[k], options);
-    } catch (const LoadError& error) {
-      problems[k] = error.diagnostics();
-    }
+    });
   });
   for (std::size_t k = 0; k < logs.size(); ++k) {
     if (!problems[k].empty()) continue;

@@ -74,9 +74,9 @@ void DoubtDiffusionEnergy(Cell& cell) {
 }  // namespace
 
 ReferenceCell MakeReference(const Cell& cell, int parallel, std::optional<double> capacity_Ah) {
-  ReferenceCell reference{.cell = cell, .typical = cell.open_circuit_voltage_assumed, .spread = {}};
+  ReferenceCell reference{
+      .cell = cell.AsOne(), .typical = cell.open_circuit_voltage_assumed, .spread = {}};
   Cell& one = reference.cell;
-  one.series = one.parallel = 1;
   const double now_Ah = one.alpha_C() / 3600.0;
   Enlarge(one, capacity_Ah ? *capacity_Ah / now_Ah : static_cast<double>(parallel));
   // A cell of which only the series resistance is known still relaxes when its load goes.
@@ -116,7 +116,7 @@ ReferenceCell SameCell(const Cell& cell, bool temperature_known) {
   constexpr double kUnknownTemperature = 0.3;
   constexpr double kKnownTemperature = 0.05;
   const double resistances = temperature_known ? kKnownTemperature : kUnknownTemperature;
-  ReferenceCell reference{.cell = cell,
+  ReferenceCell reference{.cell = cell.AsOne(),
                           .typical = cell.open_circuit_voltage_assumed,
                           .spread = {.log_capacity = kHeldSpread,
                                      .log_series = resistances,
@@ -125,7 +125,6 @@ ReferenceCell SameCell(const Cell& cell, bool temperature_known) {
                                      .log_time_constants = resistances,  // tau_j = r_j c_j
                                      .curve_V = 0.0}};
   Cell& one = reference.cell;
-  one.series = one.parallel = 1;
   if (!one.temperature) {
     one.capacity_Ah = one.alpha_C() / 3600.0;
     one = WithTypicalTemperature(std::move(one));

@@ -116,8 +116,8 @@ struct AllWarming {
   double largest_rise_K = 0.0;
 };
 
-AllWarming WarmingOfAll(Cell one, const std::vector<LoadedLog>& logs) {
-  one.series = one.parallel = 1;
+AllWarming WarmingOfAll(const Cell& pack, const std::vector<LoadedLog>& logs) {
+  const Cell one = pack.AsOne();
   std::vector<const LoadedLog*> used;
   for (const LoadedLog& log : logs) {
     const Record& record = log.log.record;

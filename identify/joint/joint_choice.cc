@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "identify/fit/cell_of_solution.h"
+#include "model/battery/cell_parameters.h"
 #include "model/battery/exact_hold.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
@@ -554,7 +555,7 @@ class Choosing {
         sum += name == "E_d"    ? r.Diffusion()
                : name == "E_s"  ? r.Series()
                : name == "E_ct" ? r.Transfer()
-                                : r.Branch(static_cast<std::size_t>(std::stoi(name.substr(2)) - 1));
+                                : r.Branch(FindCellParameter(name)->branch);
       }
       near.rates.shared_J_per_mol = sum / static_cast<double>(names.size());
       Simplify(simpler, &near);
@@ -741,6 +742,11 @@ class Choosing {
       const LeftOutErrors errors =
           LeaveOut(fit_, logs_, polished.structure, polished.rates, {choice_.errors.smoothness});
       if (errors.expected_V > choice_.errors.expected_V) {
+        // Where kinks of a curve stopped the search before it, the polish is what ended it.
+        if (before.termination == Termination::kMaxIterations) {
+          before.termination = polished.termination;
+          before.message = polished.message;
+        }
         polished = std::move(before);
       } else {
         choice_.errors = errors;

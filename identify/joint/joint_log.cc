@@ -69,31 +69,35 @@ Condensation HowToCondense(const Record& record) {
 }
 
 // Lengths of steps that differ by no more than the stamps' rounding are one.
-void FindIntervals(JointLog& log) {
+JointSteps FindSteps(const JointLog& log, bool warm) {
   std::unordered_map<std::int64_t, std::uint32_t> known;
-  log.interval.assign(log.size(), 0);
-  log.interval_s.clear();
-  log.interval_K.clear();
+  JointSteps steps;
+  steps.to.assign(log.size(), 0);
   for (std::size_t k = 1; k < log.size(); ++k) {
     const double dt_s = log.time_s[k] - log.time_s[k - 1];
     const double tolerance_s = 4.0 * std::numeric_limits<double>::epsilon() * log.time_s[k];
-    const bool warm = !log.temperature_K.empty();
     const double start_K = warm ? log.temperature_K[k - 1] : 0.0;
     // A length at the edge of two keys is at worst there twice.
     const auto key = static_cast<std::int64_t>(std::min(dt_s, 4e9) * 0x1p30) ^
                      static_cast<std::int64_t>(start_K * 0x1p50);
     const auto [found, fresh] =
-        known.try_emplace(key, static_cast<std::uint32_t>(log.interval_s.size()));
+        known.try_emplace(key, static_cast<std::uint32_t>(steps.length_s.size()));
     const std::size_t at = found->second;
-    if (!fresh && (std::abs(log.interval_s[at] - dt_s) > tolerance_s ||
-                   (warm && log.interval_K[at] != start_K)))
-      found->second = static_cast<std::uint32_t>(log.interval_s.size());
-    if (found->second == log.interval_s.size()) {
-      log.interval_s.push_back(dt_s);
-      if (warm) log.interval_K.push_back(start_K);
+    if (!fresh && (std::abs(steps.length_s[at] - dt_s) > tolerance_s ||
+                   (warm && steps.start_K[at] != start_K)))
+      found->second = static_cast<std::uint32_t>(steps.length_s.size());
+    if (found->second == steps.length_s.size()) {
+      steps.length_s.push_back(dt_s);
+      if (warm) steps.start_K.push_back(start_K);
     }
-    log.interval[k] = found->second;
+    steps.to[k] = found->second;
   }
+  return steps;
+}
+
+bool HasPoints(const LoadedLog& log, std::optional<LogKind> only = std::nullopt) {
+  const LogKind kind = log.entry.kind;
+  return (only ? kind == *only : kind != LogKind::kValidation) && log.log.record.size() > 1;
 }
 
 // A temperature changes far more slowly than points follow one another.
@@ -115,7 +119,8 @@ void TakeTemperature(const LoadedLog& loaded, JointLog& log) {
   } else if (loaded.entry.ambient_degC) {
     log.temperature_K.assign(log.size(), *loaded.entry.ambient_degC + kZeroCelsius_K);
   }
-  FindIntervals(log);
+  log.steps = FindSteps(log, false);
+  log.warm_steps = log.temperature_K.empty() ? JointSteps{} : FindSteps(log, true);
 }
 
 JointLog MakePoints(const LoadedLog& loaded, const JointLogs& all) {
@@ -374,7 +379,7 @@ JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
 JointLogs AtTemperaturesOf(const std::vector<LoadedLog>& loaded, JointLogs logs) {
   auto log = logs.logs.begin();
   for (const LoadedLog& from : loaded) {
-    if (from.entry.kind != LogKind::kValidation) TakeTemperature(from, *log++);
+    if (HasPoints(from)) TakeTemperature(from, *log++);
   }
   return logs;
 }
@@ -382,9 +387,7 @@ JointLogs AtTemperaturesOf(const std::vector<LoadedLog>& loaded, JointLogs logs)
 JointLogs MakeJointPoints(const std::vector<LoadedLog>& logs, std::optional<LogKind> only) {
   std::vector<const LoadedLog*> used;
   for (const LoadedLog& log : logs) {
-    const LogKind kind = log.entry.kind;
-    const bool takes_part = only ? kind == *only : kind != LogKind::kValidation;
-    if (takes_part && log.log.record.size() > 1) used.push_back(&log);
+    if (HasPoints(log, only)) used.push_back(&log);
   }
   JointLogs all;
   all.logs.resize(used.size());

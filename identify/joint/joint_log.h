@@ -42,6 +42,13 @@ struct JointWeights {
   double voltage_uncertainty_V = 0.001;
 };
 
+/// The steps between points are of few kinds: each once, and of every point which one leads to it.
+struct JointSteps {
+  std::vector<double> length_s;
+  std::vector<double> start_K;  ///< temperature at their start, where that makes kinds
+  std::vector<std::uint32_t> to;
+};
+
 struct JointLog {
   /// Left out never.
   static constexpr int kAlways = -1;
@@ -64,11 +71,8 @@ struct JointLog {
   std::vector<int> group;
   std::vector<int> stretch;
   std::vector<int> unit;
-  /// The steps between points have few lengths: each once, and of every point which one leads to it.
-  /// Where the temperature is known, that at the start of the step belongs to it.
-  std::vector<double> interval_s;
-  std::vector<double> interval_K;
-  std::vector<std::uint32_t> interval;
+  JointSteps steps;       ///< alike where their lengths are
+  JointSteps warm_steps;  ///< where their lengths and temperatures are; empty without temperatures
   double log_weight = 1.0;  ///< as the campaign gives it: the sum of all weights, if v_oc were flat
   std::size_t rows = 0;     ///< of the record
   double noise_V = 0.0;     ///< of a row and what its second differences have; 0: cannot be seen

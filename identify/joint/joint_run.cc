@@ -19,7 +19,7 @@
 #include "identify/logs/segments.h"
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
-#include "model/core/errors.h"
+#include "model/battery/charge_axis.h"
 #include "model/core/parallel.h"
 #include "model/core/special_values.h"
 
@@ -603,9 +603,9 @@ class JointRun {
   [[nodiscard]] bool StandsAtLimit(At&& at) const {
     const JointSolution& best = result_.choice.best;
     return std::any_of(best.at_bound.begin(), best.at_bound.end(), [&](const std::string& name) {
-      if (!name.starts_with("tau_") || name == "tau_h" || known_.Bounds(name)) return false;
-      const auto j = static_cast<std::size_t>(std::stoi(name.substr(4)) - 1);
-      return at(best.rates.time_constant_s[j]);
+      const auto tau = FindCellParameter(name);
+      if (!tau || tau->kind->symbol != "tau" || known_.Bounds(name)) return false;
+      return at(best.rates.time_constant_s[tau->branch]);
     });
   }
   [[nodiscard]] bool WantsSlower() const {
@@ -726,23 +726,7 @@ class JointRun {
     if (setup.axis_follows_alpha) {
       // Every curve is over A already.
     } else if ((starts_alike_ || free_alpha_) && alpha_C != setup.alpha_C) {
-      const auto move = [&](std::vector<double> at) {
-        const double start = result_.start_soc;
-        for (double& a : at) a = start - (start - a) * setup.alpha_C / alpha_C;
-        return at;
-      };
-      cell.open_circuit_voltage = OpenCircuitVoltage::Linear(move(cell.open_circuit_voltage.soc()),
-                                                             cell.open_circuit_voltage.voltage_V());
-      const auto move_table = [&](Resistance<double>& r) { r.soc = move(std::move(r.soc)); };
-      move_table(cell.series_resistance_Ohm);
-      for (auto& branch : cell.branches) move_table(branch.resistance_Ohm);
-      if (cell.charge_transfer) move_table(cell.charge_transfer->resistance_Ohm);
-      if (cell.temperature && cell.temperature->entropy)
-        cell.temperature->entropy->soc = move(std::move(cell.temperature->entropy->soc));
-      if (cell.hysteresis) {
-        cell.hysteresis->soc = move(std::move(cell.hysteresis->soc));
-        cell.hysteresis->folds *= alpha_C / setup.alpha_C;
-      }
+      MoveChargeAxis(cell, result_.start_soc, setup.alpha_C / alpha_C);
     } else {
       alpha_C = setup.alpha_C;
     }

@@ -37,7 +37,7 @@ void WalkLog(
   const LogTrace& trace = sweep.soc.logs[l];
   CellRows rows(setup, structure, rates, logs.typical_A, x == nullptr ? nullptr : x->data(), curve);
   ModeSteps steps;
-  rows.SetSteps(log.interval_s, steps);
+  rows.SetSteps(log.steps.length_s, steps);
   rows.Start(log.delivered_C);
   const auto at = [&](double shown_A,
                       double dt_s,
@@ -55,7 +55,7 @@ void WalkLog(
     if (k > 0) {
       const double dt_s = log.time_s[k] - log.time_s[k - 1];
       rows.Step(steps,
-                static_cast<Eigen::Index>(log.interval[k]),
+                static_cast<Eigen::Index>(log.steps.to[k]),
                 at(log.step_A[k], dt_s, trace.start, trace.start_slopes, k));
     }
     if (warm && (k == 0 || log.temperature_K[k] != log.temperature_K[k - 1]))
@@ -124,15 +124,16 @@ SocTrace TraceSoc(const JointLogs& logs,
     out.start.resize(log.size());
     out.at_slopes.resize(moves ? log.size() : 0);
     out.start_slopes.resize(moves ? log.size() : 0);
+    const JointSteps& kinds = warm ? log.warm_steps : log.steps;
     ModeSteps steps;
     if (warm) {
       std::vector<AtTemperature> at;
-      for (const double temperature_K : log.interval_K)
+      for (const double temperature_K : kinds.start_K)
         at.emplace_back(temperature_K, setup.reference_K);
-      state.SetStepsAt(log.interval_s, at, energy_J_per_mol, steps);
+      state.SetStepsAt(kinds.length_s, at, energy_J_per_mol, steps);
       state.SetTemperature({log.temperature_K[0], setup.reference_K}, energy_J_per_mol);
     } else {
-      state.SetSteps(log.interval_s, steps);
+      state.SetSteps(kinds.length_s, steps);
     }
     const auto slopes_at = [&](double shown_A) {
       const double current_A = rates.Flowing(shown_A);
@@ -152,7 +153,7 @@ SocTrace TraceSoc(const JointLogs& logs,
       if (moves) out.start_slopes[k] = slopes_at(step_A);
       if (k > 0) {
         state.Step(steps,
-                   static_cast<Eigen::Index>(log.interval[k]),
+                   static_cast<Eigen::Index>(kinds.to[k]),
                    rates.Flowing(step_A),
                    log.time_s[k] - log.time_s[k - 1],
                    rates.FlowingSlope(step_A));

@@ -86,8 +86,7 @@ std::optional<PredictedTemperatures> PredictTemperatures(const Cell& cell,
   constexpr double kLeastPredictedRise_K = 1.0;
   if (!cell.temperature || std::none_of(logs.begin(), logs.end(), TellsSurroundingsAlone))
     return std::nullopt;
-  Cell one = cell;
-  one.series = one.parallel = 1;
+  Cell one = cell.AsOne();
   PredictedTemperatures warm;
   const std::optional<HeatBalance<double>>& heat = one.temperature->heat;
   if (!TellTemperature(logs)) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 #include "identify/fit/cell_of_solution.h"
@@ -67,17 +66,14 @@ double ValueIn(const JointSolution& solution,
   Cell cell;
   cell.diffusion = Cell::Diffusion{};
   PutInto(cell, solution, typical_A);
-  const std::size_t bracket = name.find('(');
-  std::string what = name.substr(0, bracket);
+  auto [what, of_cell] = SplitQuantity(name);
   if (what == "alpha") return kNaN;
   if (what == "i_off") {  // of the sensor, and of no cell; a structure without it says 0
     return solution.structure.current_offset ? solution.rates.current_offset_A : 0.0;
   }
   // A table where one number is asked for: its mean.
   std::vector<double> soc{0.2, 0.5, 0.8};
-  if (bracket != std::string::npos) {
-    soc = {axis(std::strtod(name.c_str() + bracket + 1, nullptr))};
-  }
+  if (of_cell) soc = {axis(*of_cell)};
   const auto mean = [&](const auto& at) {
     double sum = 0.0;
     for (const double a : soc) sum += at(a) / static_cast<double>(soc.size());

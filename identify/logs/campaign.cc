@@ -205,10 +205,13 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
                   1e6,
                   "a capacity above 0 Ah",
                   campaign.capacity_Ah);
+      if (const auto* capacity = cell.Find("capacity_Ah"))
+        campaign.capacity_position = cell.At(capacity->source());
       double cutoff_V = 0.0;
       if (cell.Number(
               "cutoff_V", 0.5, 6.0, "the cut-off of one cell, from 0.5 V to 6 V", cutoff_V)) {
         campaign.cutoff_V = cutoff_V;
+        campaign.cutoff_position = cell.At(cell.Find("cutoff_V")->source());
       }
       cell.Integer("series", 1, static_cast<int>(kPackSizes.hi), campaign.series);
       cell.Integer("parallel", 1, static_cast<int>(kPackSizes.hi), campaign.parallel);

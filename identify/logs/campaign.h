@@ -59,6 +59,9 @@ struct Campaign {
   int parallel = 1;
   std::string age;  ///< a date, or cycles; as written
   std::vector<CampaignLog> logs;
+  /// Where these two stand in the file; its name is empty where they do not.
+  SourcePosition capacity_position = {};
+  SourcePosition cutoff_position = {};
 
   [[nodiscard]] std::size_t Count(LogKind kind) const;
   /// Whether there are flights and nothing else that a cell could be identified from.

@@ -55,10 +55,11 @@ class Column {
     return *this;
   }
   Column& operator=(Column&& other) noexcept {
+    if (this == &other) return *this;
     own_ = std::move(other.own_);
     keeper_ = std::move(other.keeper_);
     See(other);
-    if (this != &other) other.Forget();
+    other.Forget();
     return *this;
   }
   ~Column() = default;

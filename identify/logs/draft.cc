@@ -16,6 +16,7 @@
 #include "model/battery/typical_temperature.h"
 #include "model/core/foreign_text.h"
 #include "model/core/run_record.h"
+#include "model/core/significant_digits.h"
 #include "model/core/special_values.h"
 #include "model/statistics/order_statistics.h"
 
@@ -42,11 +43,9 @@ constexpr double kFastestRate_per_h = 100.0;
 // From full to empty every cell falls by more, iron phosphate down to 3 V included.
 constexpr double kLeastFall_V = 0.2;
 
-double RoundToDigits(double value, int digits) {
-  if (!(value > 0.0) || !std::isnormal(value)) return 0.0;
-  const double step = std::pow(10.0, std::floor(std::log10(value)) + 1 - digits);
-  // Through decimal text, so that 33.1 does not become 33.100000000000001.
-  return std::stod(fmt::format("{:.12g}", std::round(value / step) * step));
+// What is no positive number is written as 0.
+double PositiveToDigits(double value, int digits) {
+  return value > 0.0 && std::isnormal(value) ? RoundToDigits(value, digits) : 0.0;
 }
 
 // Text that stays within its comment, whatever the name of a file is.
@@ -76,7 +75,7 @@ double CutoffWithinLastRows(const std::vector<Candidate>& discharges) {
     high_V = std::min(high_V, d.end_voltage_V + fall_V + d.nearness_V());
   }
   for (const double step_V : {0.1, kCutoffStep_V, 0.01}) {
-    const double round_V = RoundToDigits(std::ceil(low_V / step_V) * step_V, 3);
+    const double round_V = PositiveToDigits(std::ceil(low_V / step_V) * step_V, 3);
     if (round_V <= high_V) return round_V;
   }
   return 0.0;
@@ -90,8 +89,8 @@ double FindCutoff(const std::vector<Candidate>& discharges) {
   for (const Candidate& each : discharges)
     ends_V.push_back(each.inspection->discharge->end_voltage_V);
   const double middle_V = UpperMedian(std::move(ends_V));
-  const double round_V = RoundToDigits(std::round(middle_V / kCutoffStep_V) * kCutoffStep_V, 3);
-  const double fine_V = RoundToDigits(std::ceil(middle_V * 1000.0) / 1000.0, 4);
+  const double round_V = PositiveToDigits(std::round(middle_V / kCutoffStep_V) * kCutoffStep_V, 3);
+  const double fine_V = PositiveToDigits(std::ceil(middle_V * 1000.0) / 1000.0, 4);
   return std::abs(round_V - middle_V) <= 2.0 * kCutoffTolerance_V ? round_V : fine_V;
 }
 
@@ -331,7 +330,7 @@ class Drafting {
     }
     if (slowest != nullptr) {
       draft_.campaign.capacity_Ah =
-          RoundToDigits(slowest->inspection->discharge->charge_C / 3600.0, 3);
+          PositiveToDigits(slowest->inspection->discharge->charge_C / 3600.0, 3);
     } else if (!draft_.entries.empty()) {
       draft_.remarks.emplace_back(
           "No log discharges the cell from full to empty: look its capacity and its cut-off up and "
@@ -385,7 +384,8 @@ class Drafting {
   // A cycler stops all of them at one voltage. One alone may have been stopped by something else.
   void DoubtEndsApart(const std::vector<Candidate>& discharges, double cutoff_V) {
     constexpr double kUsualCutoff_V = 3.3;  // or less
-    const double round_V = RoundToDigits(std::round(cutoff_V / kCutoffStep_V) * kCutoffStep_V, 3);
+    const double round_V =
+        PositiveToDigits(std::round(cutoff_V / kCutoffStep_V) * kCutoffStep_V, 3);
     if (discharges.size() == 1 && (cutoff_V > kUsualCutoff_V || round_V != cutoff_V)) {
       draft_.remarks.push_back(fmt::format(
           "One discharge alone tells the cut-off, and {:.4g} V is no usual one: look it up, for it may have been stopped "
@@ -514,7 +514,7 @@ class Drafting {
                         full_V));
         continue;
       }
-      const double soc = RoundToDigits(SocAt(*low_rate_.inspection, voltage_V), 3);
+      const double soc = PositiveToDigits(SocAt(*low_rate_.inspection, voltage_V), 3);
       each.entry->log.initial_soc = soc;
       each.entry->remarks.push_back(
           fmt::format("Does not start full: it rests at {:.4g} V before its first load, which {} "

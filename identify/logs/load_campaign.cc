@@ -33,9 +33,11 @@ constexpr double kLeastBesideDischarge = 0.05;
 constexpr double kLeastOfAnyLog = 0.003;
 
 [[noreturn]] void Refuse(const Campaign& campaign,
+                         const SourcePosition& position,
                          std::string_view option,
                          std::string_view key,
                          const std::string& message) {
+  if (!position.file.empty()) throw LoadError(position, fmt::format("{}: {}", key, message));
   RefuseCampaign(campaign,
                  campaign.file.empty() ? fmt::format("option --{}: {}", option, message)
                                        : fmt::format("{}: {}", key, message));
@@ -61,6 +63,7 @@ void CheckCapacity(const Campaign& campaign,
   if (most_Ah >= least * campaign.capacity_Ah) return;
   Refuse(
       campaign,
+      campaign.capacity_position,
       "capacity-Ah",
       "capacity_Ah",
       fmt::format(
@@ -86,6 +89,7 @@ void CheckCutoff(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
   if (highest_V == 0.0 || highest_V > *campaign.cutoff_V) return;
   Refuse(
       campaign,
+      campaign.cutoff_position,
       "cutoff-V",
       "cutoff_V",
       fmt::format("expected a voltage that a discharge ends at, found {:.4g} V, and no log of this "
@@ -152,20 +156,12 @@ void RefuseOtherWay(const CampaignLog& entry, const Record& record) {
 // what that is, no test begins on a hot cell. "" where nothing is odd.
 std::string DoubtAboutTemperature(const CampaignLog& entry, const Record& record) {
   constexpr double kMostOff_K = 15.0;
-  constexpr double kMost_degC = 60.0;
   constexpr double kSame_K = 2.0;
   const auto& temperature_degC = record.temperature_degC;
   if (entry.initial_degC || temperature_degC.empty()) return "";
   const double first_degC = temperature_degC.front();
   const double converted_degC = FindUnit(Quantity::kTemperature, "degF")->ToSi(first_degC);
-  const auto in_header = [&] {
-    return fmt::format("if these are degrees Fahrenheit ({:.4g} degC), say degF in the header",
-                       converted_degC);
-  };
-  if (!entry.ambient_degC) {
-    if (!(first_degC > kMost_degC)) return "";
-    return fmt::format("the cell is at {:.4g} degC in the first row: {}", first_degC, in_header());
-  }
+  if (!entry.ambient_degC) return DoubtAboutHotStart(record);
   if (std::abs(first_degC - *entry.ambient_degC) <= kMostOff_K ||
       std::abs(record.current_A.front()) > RestThreshold(record))
     return "";
@@ -175,7 +171,7 @@ std::string DoubtAboutTemperature(const CampaignLog& entry, const Record& record
       "was warmed or cooled before the test, say initial_degC",
       first_degC,
       *entry.ambient_degC,
-      fahrenheit ? in_header() : "look which of the two is right");
+      fahrenheit ? InFahrenheit(first_degC) : "look which of the two is right");
 }
 
 // A thermometer that wavers, or of whole degrees, moves resistances to and fro by more than the voltage is off, and a

@@ -23,8 +23,6 @@
 #include "identify/logs/plausibility.h"
 #include "identify/logs/spikes.h"
 #include "identify/logs/stuck_voltage.h"
-#include "model/battery/arrhenius.h"
-#include "model/battery/ranges.h"
 #include "model/core/counted.h"
 #include "model/core/special_values.h"
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "identify/logs/formats/quantity.h"
 #include "model/battery/arrhenius.h"
 #include "model/battery/ranges.h"
 
@@ -93,12 +94,27 @@ std::string DoubtAboutTime(const Record& record) {
   return "";
 }
 
+std::string DoubtAboutHotStart(const Record& record) {
+  constexpr double kMost_degC = 60.0;
+  if (record.temperature_degC.empty() || !(record.temperature_degC.front() > kMost_degC)) return "";
+  const double first_degC = record.temperature_degC.front();
+  return fmt::format(
+      "the cell is at {:.4g} degC in the first row: {}", first_degC, InFahrenheit(first_degC));
+}
+
+std::string InFahrenheit(double shown_degC) {
+  return fmt::format("if these are degrees Fahrenheit ({:.4g} degC), say degF in the header",
+                     FindUnit(Quantity::kTemperature, "degF")->ToSi(shown_degC));
+}
+
 std::string DoubtAboutLag(const Record& record) {
   constexpr std::size_t kFewest = 5;
   constexpr std::size_t kEnough = 100;
   constexpr double kStep = 0.2;   // of the range of the current
   constexpr double kHeld = 0.02;  // as far as it may move in the rows beside the step
   constexpr double kLate = 0.1;   // of what the next row shows, in the row of the step
+  constexpr double kEarly =
+      0.5;  // of what the row before shows, in that row and the next: a cell relaxes on
   constexpr double kLeast_V = 5e-3;
   const Column& i = record.current_A;
   const Column& v = record.voltage_V;
@@ -107,6 +123,7 @@ std::string DoubtAboutLag(const Record& record) {
   const double range_A = extent.most - extent.least;
   std::size_t steps = 0;
   std::size_t late = 0;
+  std::size_t early = 0;
   for (std::size_t k = 2; k + 1 < v.size() && steps < kEnough; ++k) {
     if (!(std::abs(i[k] - i[k - 1]) > kStep * range_A)) continue;
     if (std::abs(i[k + 1] - i[k]) > kHeld * range_A ||
@@ -114,11 +131,20 @@ std::string DoubtAboutLag(const Record& record) {
       continue;
     const double at_once_V = std::abs(v[k] - v[k - 1]);
     const double after_V = std::abs(v[k + 1] - v[k]);
-    if (std::max(at_once_V, after_V) < kLeast_V) continue;
+    const double before_V = std::abs(v[k - 1] - v[k - 2]);
+    if (std::max({at_once_V, after_V, before_V}) < kLeast_V) continue;
     ++steps;
     if (at_once_V < kLate * after_V) ++late;
+    if (std::max(at_once_V, after_V) < kEarly * before_V) ++early;
   }
-  if (steps < kFewest || 10 * late < 9 * steps) return "";
+  if (steps < kFewest || 10 * std::max(late, early) < 9 * steps) return "";
+  if (early > late) {
+    return fmt::format(
+        "at {} of {} steps of the current the voltage has moved one row before: if the logger reads the current a row "
+        "late, shift one of the two columns by a row; as it stands, rows without a current show the voltage under load",
+        early,
+        steps);
+  }
   return fmt::format(
       "at {} of {} steps of the current the voltage moves one row later: if the logger reads it a row late, shift one "
       "of the two columns by a row; as it stands, resistances within one row come out too small",

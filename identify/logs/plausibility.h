@@ -18,6 +18,12 @@ namespace lipoid {
 /// No pack has more; what was meant has a factor of 1000 less.
 inline constexpr double kMostPack_V = 2000.0;
 
+/// Why the temperature of the first row is none of a cell before a test, in one sentence: no test and no flight begins
+/// above 60 degC. "" where it may be.
+[[nodiscard]] std::string DoubtAboutHotStart(const Record& record);
+/// "if these are degrees Fahrenheit (25 degC), say degF in the header".
+[[nodiscard]] std::string InFahrenheit(double shown_degC);
+
 /// One cell, from a half cell at rest to a lithium cell under fast charge.
 inline constexpr double kMostCell_V = 6.0;
 

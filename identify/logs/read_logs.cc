@@ -118,12 +118,8 @@ std::vector<std::vector<Diagnostic>> ReadLogs(const std::vector<LogToRead>& logs
   }
   ParallelFor(open.size(), [&](std::size_t j) {
     const std::size_t k = open[j];
-    try {
-      problems[k].clear();
-      take(k, ReadLog(logs[k].file, logs[k].options, others[j]));
-    } catch (const LoadError& error) {
-      problems[k] = error.diagnostics();
-    }
+    problems[k] =
+        DiagnosticsOf([&] { take(k, ReadLog(logs[k].file, logs[k].options, others[j])); });
   });
   return problems;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "model/core/parallel.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -42,11 +43,12 @@ std::optional<Parabola> Fit(std::span<const double> time_s,
     right += y * powers;
     sum2 += y * y;
   }
-  const Eigen::Vector3d found = square.ldlt().solve(right);
+  const Eigen::LDLT<Eigen::Matrix3d> factor(square);
+  const Eigen::Vector3d found = factor.solve(right);
   if (!found.allFinite()) return std::nullopt;
   const double freedom = rows - 3.0;
   return Parabola{.here = shown[row] + found[0],
-                  .error = std::sqrt(square.inverse()(0, 0)),
+                  .error = std::sqrt(factor.solve(Eigen::Vector3d::UnitX())[0]),
                   .square = std::max(sum2 - right.dot(found), 0.0) / freedom,
                   .freedom = freedom};
 }
@@ -67,11 +69,11 @@ std::vector<double> WithoutThermometerNoise(std::span<const double> time_s,
                                             std::span<const double> shown,
                                             double noise) {
   std::vector<double> smooth(shown.begin(), shown.end());
-  // Of long logs less: a second of work at most.
+  // Of long logs less, down to eight rows to either side.
   constexpr std::size_t kMostWork = 16'000'000;
   const std::size_t most_reach =
       std::clamp<std::size_t>(kMostWork / std::max<std::size_t>(shown.size(), 1), 8, kMostReach);
-  for (std::size_t row = 0; row < shown.size(); ++row) {
+  const auto smooth_one = [&](std::size_t row) {
     double error = 1.5;  // of the row itself, which may be one of many that is far off
     for (std::size_t reach = kLeastReach; reach <= most_reach; reach *= 2) {
       const std::size_t first = row - std::min(row, reach);
@@ -87,7 +89,12 @@ std::vector<double> WithoutThermometerNoise(std::span<const double> time_s,
       smooth[row] = wider->here;
       error = wider->error;
     }
-  }
+  };
+  constexpr std::size_t kRowsAtOnce = 4096;
+  ParallelFor(shown.size() / kRowsAtOnce + 1, [&](std::size_t block) {
+    const std::size_t end = std::min((block + 1) * kRowsAtOnce, shown.size());
+    for (std::size_t row = block * kRowsAtOnce; row < end; ++row) smooth_one(row);
+  });
   return smooth;
 }
 

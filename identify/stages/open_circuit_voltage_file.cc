@@ -6,12 +6,12 @@
 #include <cmath>
 #include <vector>
 
-#include "identify/logs/csv/cells.h"
 #include "identify/logs/plausibility.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
 #include "model/core/structured_text.h"
+#include "model/core/text_cells.h"
 
 namespace lipoid {
 namespace {

@@ -35,13 +35,8 @@ std::vector<const LoadedLog*> OfKind(const std::vector<LoadedLog>& logs, LogKind
 template <class Check>
 void CheckAll(const std::vector<const LoadedLog*>& logs, Check&& check) {
   std::vector<std::vector<Diagnostic>> problems(logs.size());
-  ParallelFor(logs.size(), [&](std::size_t k) {
-    try {
-      check(*logs[k]);
-    } catch (const LoadError& error) {
-      problems[k] = error.diagnostics();
-    }
-  });
+  ParallelFor(logs.size(),
+              [&](std::size_t k) { problems[k] = DiagnosticsOf([&] { check(*logs[k]); }); });
   std::vector<Diagnostic> all;
   for (const auto& some : problems) all.insert(all.end(), some.begin(), some.end());
   if (!all.empty()) throw LoadError(std::move(all));

@@ -50,8 +50,7 @@ PulseFitResult PulseStudy::Fit(const VoltageSweep& sweep,
 
 std::vector<std::vector<double>> PulseStudy::Residuals(const VoltageSweep& sweep,
                                                        const SweepParameters& p) const {
-  Cell cell = before_.cell;
-  cell.series = cell.parallel = 1;  // the records are those of one cell
+  Cell cell = before_.cell.AsOne();  // the records are those of one cell
   if (cell.diffusion) {
     cell.diffusion->terms = sweep.setup().terms;
     cell.diffusion->tail = sweep.setup().tail;

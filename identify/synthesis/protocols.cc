@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "model/battery/at_temperature.h"
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
+#include "model/core/significant_digits.h"
 
 namespace lipoid {
 namespace {
@@ -28,13 +28,6 @@ std::vector<double> ParseList(const char* option, const std::string& text, const
     from = to + 1;
   }
   return values;
-}
-
-// The double nearest to x with so many significant digits: 6 * 0.6 A is 3.6 A.
-double RoundToDigits(double x, int digits) {
-  const auto text = fmt::format("{:.{}e}", x, digits - 1);
-  std::from_chars(text.data(), text.data() + text.size(), x);
-  return x;
 }
 
 double CurrentAtRate(const Cell& cell, double rate_C) {

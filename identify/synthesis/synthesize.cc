@@ -24,6 +24,7 @@
 #include "model/core/errors.h"
 #include "model/core/json.h"
 #include "model/core/json_text.h"
+#include "model/core/stop.h"
 
 namespace lipoid {
 namespace {
@@ -226,6 +227,7 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
         written[log] = WriteLog(plans[log], log, signals, *logs[log], delivered);
       },
       tbb::simple_partitioner{});
+  StopIfAsked();
 
   Cell truth = cell;
   Json origin = run.ToJson();

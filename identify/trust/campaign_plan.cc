@@ -20,9 +20,9 @@ namespace {
 constexpr double kManyFreedoms = 1e4;
 
 // The terms that such logs can show: they discharge, and what warms is the heat balance.
-Cell AsPlanned(Cell cell) {
-  Require(cell.temperature.has_value(), "a cell that knows temperature");
-  cell.series = cell.parallel = 1;
+Cell AsPlanned(const Cell& pack) {
+  Require(pack.temperature.has_value(), "a cell that knows temperature");
+  Cell cell = pack.AsOne();
   cell.hysteresis.reset();
   cell.self_heating.reset();
   return cell;

@@ -19,8 +19,8 @@ bool IsTooFast(const Cell::Branch& branch, double sampling_s) {
 }
 
 // One cell with constants only: what stage 3 fits.
-Cell Constants(Cell cell) {
-  cell.series = cell.parallel = 1;
+Cell Constants(const Cell& pack) {
+  Cell cell = pack.AsOne();
   cell.series_resistance_Ohm = Resistance<double>(cell.series_resistance_Ohm(kTypicalSoc));
   for (auto& branch : cell.branches)
     branch.resistance_Ohm = Resistance<double>(branch.resistance_Ohm(kTypicalSoc));

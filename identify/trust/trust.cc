@@ -580,6 +580,9 @@ class Assessment {
         trust.verdict = Verdict::kAtBound;
       } else if (reach * trust.relative_standard_error <= kIdentifiedHalfWidth) {
         trust.verdict = Verdict::kIdentified;
+      } else if (std::isfinite(trust.standard_error)) {
+        const double of_noise = std::sqrt(std::max(0.0, variance - q.added_spread.squaredNorm()));
+        trust.open_by_model = reach * of_noise <= kIdentifiedHalfWidth * Scale(q);
       }
       if (!known_at_all) {
         report_.covariance.row(index).setConstant(kNaN);
@@ -590,7 +593,8 @@ class Assessment {
     }
     ParallelFor(quantities_.size(), [&](std::size_t k) {
       QuantityTrust& trust = report_.quantities[k];
-      if (trust.verdict == Verdict::kWeak && !trust.insensitive)
+      // To know its partners takes nothing from what the choice of the model adds.
+      if (trust.verdict == Verdict::kWeak && !trust.insensitive && !trust.open_by_model)
         FindPartners(static_cast<Eigen::Index>(k), scatter, trust);
     });
   }

@@ -114,6 +114,7 @@ struct QuantityTrust {
   Verdict verdict = Verdict::kWeak;
   std::vector<std::string> with;  ///< partners of kOnlyInCombination
   bool insensitive = false;       ///< no prediction of any log is sensitive to it
+  bool open_by_model = false;     ///< weak, and identified were there no error but that of noise
   double degrees_of_freedom = 0.0;
   /// What the formula for independent residuals of the same size would have said; NaN of a plan.
   double white_standard_error = 0.0;

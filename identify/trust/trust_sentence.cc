@@ -49,6 +49,7 @@ class Advisor {
     std::vector<std::string> parts;
     for (const auto& say : {&Advisor::BranchNotFound,
                             &Advisor::BranchTooFast,
+                            &Advisor::OpenByModel,
                             &Advisor::NotToldApart,
                             &Advisor::AtBound,
                             &Advisor::Weak}) {
@@ -68,6 +69,13 @@ class Advisor {
   }
   [[nodiscard]] bool Open(const std::string& name) const {
     return std::find(done_.begin(), done_.end(), name) == done_.end();
+  }
+
+  // A capacitance is as weak as the two that it is made of.
+  [[nodiscard]] bool FollowsFromOthers(const QuantityTrust& q) const {
+    const Name name = Split(q.name);
+    return name.family == "c" &&
+           FindQuantity(report_, "tau_" + std::string(name.branch)) != nullptr;
   }
 
   // The thesis' situation: r_j -> 0 leaves tau_j (or c_j) at its start.
@@ -116,6 +124,30 @@ class Advisor {
           report_.sampling_s);
     }
     return std::nullopt;
+  }
+
+  // No experiment of the same kind would tell: more of its rows only lower the noise.
+  std::optional<std::string> OpenByModel() {
+    std::vector<std::string> names;
+    const QuantityTrust* worst = nullptr;
+    for (const auto& q : report_.quantities) {
+      if (!q.open_by_model || q.verdict != Verdict::kWeak || !Open(q.name) || FollowsFromOthers(q))
+        continue;
+      names.push_back(q.name);
+      if (worst == nullptr || q.relative_standard_error > worst->relative_standard_error)
+        worst = &q;
+    }
+    if (worst == nullptr) return std::nullopt;
+    done_.insert(done_.end(), names.begin(), names.end());
+    const double of_noise = std::sqrt(
+        std::max(0.0, 1.0 - std::pow(worst->model_standard_error / worst->standard_error, 2)));
+    return fmt::format(
+        "the noise of these logs leaves {} open to {:.2g} %, other structures of the cell that "
+        "predict them nearly as well, or what was held, to {:.2g} % (one standard error); give the "
+        "structure if you know it, or add logs at other currents and with other rests",
+        names.size() <= kFew ? Join(names) : worst->name,
+        100.0 * of_noise * worst->relative_standard_error,
+        100.0 * worst->relative_standard_error);
   }
 
   std::optional<std::string> NotToldApart() {
@@ -199,10 +231,7 @@ class Advisor {
       if (q.verdict == Verdict::kIdentified || q.verdict == Verdict::kAtBound || !Open(q.name))
         continue;
       if (q.verdict == Verdict::kOnlyInCombination) continue;  // said, or its partner was
-      // A capacitance is as weak as the two that it is made of.
-      if (Split(q.name).family == "c" &&
-          FindQuantity(report_, "tau_" + std::string(Split(q.name).branch)))
-        continue;
+      if (FollowsFromOthers(q)) continue;
       ++weak;
       if (worst == nullptr || q.relative_standard_error > worst->relative_standard_error)
         worst = &q;

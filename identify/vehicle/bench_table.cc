@@ -9,10 +9,10 @@
 #include <optional>
 #include <string_view>
 
-#include "identify/logs/csv/cells.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
+#include "model/core/text_cells.h"
 
 namespace lipoid {
 namespace {

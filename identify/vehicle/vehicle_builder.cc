@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 
 #include "model/core/errors.h"
+#include "model/core/significant_digits.h"
 #include "model/vehicle/motor.h"
 
 namespace lipoid {
@@ -55,11 +55,7 @@ double ToTorqueCoefficient(double c_p, double diameter_m) {
 }
 
 // Assumptions and fits are not known to more digits.
-double Rounded(double value) {
-  if (value == 0.0) return 0.0;
-  const double step = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 4.0);
-  return std::strtod(fmt::format("{:.5g}", std::round(value / step) * step).c_str(), nullptr);
-}
+double Rounded(double value) { return RoundToDigits(value, 5); }
 
 class Draft {
  public:

@@ -23,4 +23,10 @@ CellParameters<double> Cell::Parameters() const {
   return parameters;
 }
 
+Cell Cell::AsOne() const {
+  Cell one = *this;
+  one.series = one.parallel = 1;
+  return one;
+}
+
 }  // namespace lipoid

@@ -83,6 +83,8 @@ struct Cell {
     return diffusion ? diffusion->alpha_C : 3600.0 * capacity_Ah;
   }
   [[nodiscard]] CellParameters<double> Parameters() const;
+  /// One cell of the pack.
+  [[nodiscard]] Cell AsOne() const;
 };
 
 }  // namespace lipoid

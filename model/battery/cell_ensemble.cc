@@ -1,7 +1,6 @@
 #include "model/battery/cell_ensemble.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -10,6 +9,7 @@
 
 #include "model/battery/uncertain_cell.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 #include "model/core/stop.h"
 #include "model/statistics/normal_noise.h"
 #include "model/statistics/quantiles.h"
@@ -44,7 +44,7 @@ CellEnsemble DrawCells(const Cell& cell, int count, std::uint64_t seed) {
   CellEnsemble ensemble;
   ensemble.cells.resize(static_cast<std::size_t>(count));
   std::vector<char> moved(ensemble.cells.size());
-  tbb::parallel_for(std::size_t{0}, ensemble.cells.size(), [&](std::size_t k) {
+  ParallelFor(ensemble.cells.size(), [&](std::size_t k) {
     StopIfAsked();
     auto drawn = Draw(around, seed, static_cast<std::uint32_t>(k));
     ensemble.cells[k] = std::move(drawn.first);

@@ -432,8 +432,6 @@ Cell ParseCell(const std::string& text, const std::string& file) {
   return cell;
 }
 
-Cell ReadCellFile(const std::string& file) { return ParseCell(ReadTextFile(file), file); }
-
 Json CellToJson(const Cell& cell) {
   Json diffusion = nullptr;
   if (cell.diffusion) {

@@ -15,7 +15,6 @@ inline constexpr const char* kCellSchema = "lipoid.cell/1";
 
 /// Reads a cell file strictly: another schema, an unknown or missing key, a value outside its range
 /// are LoadErrors with line, column and pointer.
-[[nodiscard]] Cell ReadCellFile(const std::string& file);
 [[nodiscard]] Cell ParseCell(const std::string& text, const std::string& file);
 
 [[nodiscard]] Json CellToJson(const Cell& cell);

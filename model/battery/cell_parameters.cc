@@ -364,6 +364,14 @@ std::optional<CellParameterName> FindCellParameter(std::string_view name) {
   return CellParameterName{&found.row->kind, found.branch};
 }
 
+QuantityName SplitQuantity(std::string_view quantity) {
+  const std::size_t bracket = quantity.find('(');
+  if (bracket == std::string_view::npos) return {std::string(quantity), std::nullopt};
+  double soc = kNaN;
+  std::from_chars(quantity.data() + bracket + 1, quantity.data() + quantity.size(), soc);
+  return {std::string(quantity.substr(0, bracket)), soc};
+}
+
 std::vector<std::string> CellParameterNames(const Cell& cell) {
   std::vector<std::string> names;
   const auto add = [&](const Row& row, std::size_t branch, std::string name) {

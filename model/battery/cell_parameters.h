@@ -44,6 +44,13 @@ struct CellParameterName {
 /// None for a name that no cell has.
 [[nodiscard]] std::optional<CellParameterName> FindCellParameter(std::string_view name);
 
+/// A quantity as reports name it, "r_s(0.5)": its name, and the state of charge where it has one.
+struct QuantityName {
+  std::string name;
+  std::optional<double> soc;
+};
+[[nodiscard]] QuantityName SplitQuantity(std::string_view quantity);
+
 /// The names this cell has, in the order above. A table of resistances has no name: of such a
 /// branch there is only tau_j. Its nodes are parameters as the others are (V for v_oc), where it
 /// says so below, counted from 0 as the lists of the cell file: r_s[0], r_s[1], ..., r_1[0], ...,

@@ -1,10 +1,9 @@
 #include "model/battery/prediction_band.h"
 
-#include <tbb/parallel_for.h>
-
 #include <deque>
 
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 #include "model/core/stop.h"
 #include "model/statistics/interval_95.h"
 
@@ -30,7 +29,7 @@ PredictionBand PredictBand(std::span<const Cell> cells,
     const std::size_t rows = std::min(kRowsAtOnce, time_s.size() - from);
     Surroundings block = surroundings;
     if (!block.measured_degC.empty()) block.measured_degC = block.measured_degC.subspan(from, rows);
-    tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t c) {
+    ParallelFor(cells.size(), [&](std::size_t c) {
       StopIfAsked();
       walks[c].Rows(time_s.subspan(from, rows),
                     current_A.subspan(from, rows),
@@ -39,7 +38,7 @@ PredictionBand PredictBand(std::span<const Cell> cells,
                       voltage_V[k * cells.size() + c] = row.voltage_V;
                     });
     });
-    tbb::parallel_for(std::size_t{0}, rows, [&](std::size_t k) {
+    ParallelFor(rows, [&](std::size_t k) {
       const auto [low_V, high_V] =
           Interval95(std::span(voltage_V).subspan(k * cells.size(), cells.size()));
       band.voltage_low_V[from + k] = low_V;

@@ -18,8 +18,7 @@ class RestVoltage {
   RestVoltage(const Cell& cell, const Surroundings& surroundings)
       : curve_(cell.open_circuit_voltage), surroundings_(surroundings) {
     if (!cell.hysteresis && !(cell.temperature && cell.temperature->entropy)) return;
-    Cell one = cell;
-    one.series = one.parallel = 1;
+    Cell one = cell.AsOne();
     model_.emplace(one.Parameters());
   }
   double operator()(double soc) const {

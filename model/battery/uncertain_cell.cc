@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "model/battery/cell_parameters.h"
+#include "model/battery/charge_axis.h"
 #include "model/core/errors.h"
 #include "model/statistics/factorizations.h"
 
@@ -45,6 +46,24 @@ struct Eigensystem {
   SymmetricEigen eigen;
 };
 
+// The covariance C of all where some, N, are known: C - C_N C_NN^-1 C_N'.
+Eigen::MatrixXd WhereKnown(const Eigen::MatrixXd& covariance,
+                           const std::vector<Eigen::Index>& known) {
+  Eigen::MatrixXd left = covariance;
+  if (known.empty()) return left;
+  const auto [unit, eigen] = Eigensystem(covariance(known, known));
+  for (Eigen::Index axis = 0; axis < eigen.values.size(); ++axis) {
+    if (!(eigen.values[axis] > kCovarianceRounding)) continue;
+    const Eigen::VectorXd per_unit =
+        (unit.array() > 0.0).select(eigen.vectors.col(axis).cwiseQuotient(unit), 0.0);
+    const Eigen::VectorXd with = covariance(Eigen::all, known) * per_unit;
+    left.noalias() -= with * with.transpose() / eigen.values[axis];
+  }
+  return left;
+}
+
+bool IsNode(std::string_view name) { return name.find('[') != std::string_view::npos; }
+
 // The kind of a parameter, or of the resistance that a node belongs to; null for a node of v_oc.
 const CellParameterKind* KindOf(std::string_view name) {
   const auto found = FindCellParameter(name.substr(0, name.find('[')));
@@ -77,16 +96,20 @@ UncertainCell::UncertainCell(const Cell& cell) : base_(cell) {
   factor_ = unit.asDiagonal() * eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
   variances_ = eigen.values.cwiseMax(0.0);
   FindRange();
+  FindMoves();
 }
 
 void UncertainCell::FindRange() {
   const Eigen::Index n = estimate_.size();
-  for (Eigen::Index k = 0; k < n; ++k) {
-    if (Kind(k) == nullptr || Kind(k)->any_sign) continue;
-    range_.push_back({.more = k,
-                      .least = Name(k) == "beta" ? HeldBack(Kind(k)->upper)
-                               : Kind(k)->zero   ? 0.0
-                                                 : kLeastPositive * estimate_[k]});
+  for (const bool node : {false, true}) {
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if (Kind(k) == nullptr || Kind(k)->any_sign || IsNode(Name(k)) != node) continue;
+      range_.push_back({.more = k,
+                        .least = Name(k) == "beta" ? HeldBack(Kind(k)->upper)
+                                 : Kind(k)->zero   ? 0.0
+                                                   : kLeastPositive * estimate_[k]});
+    }
+    if (!node) of_numbers_ = static_cast<Eigen::Index>(range_.size());
   }
   const auto& voltage_V = base_.open_circuit_voltage.voltage_V();
   node_.assign(voltage_V.size(), -1);
@@ -101,18 +124,27 @@ void UncertainCell::FindRange() {
     if (rise.less < 0) rise.least += voltage_V[node];
     if (rise.more >= 0 || rise.less >= 0) range_.push_back(rise);
   }
+}
+
+void UncertainCell::FindMoves() {
+  std::vector<Eigen::Index> numbers;
+  for (Eigen::Index k = 0; k < estimate_.size(); ++k) {
+    if (!IsNode(Name(k))) numbers.push_back(k);
+  }
+  const Eigen::MatrixXd of_nodes = WhereKnown(covariance_, numbers);
   const auto bounds = static_cast<Eigen::Index>(range_.size());
-  carried_.setZero(n, bounds);
+  carried_.setZero(estimate_.size(), bounds);
   variance_.setZero(bounds);
   for (Eigen::Index c = 0; c < bounds; ++c) {
     const Bound& bound = range_[static_cast<std::size_t>(c)];
+    const Eigen::MatrixXd& covariance = c < of_numbers_ ? covariance_ : of_nodes;
     double apart = 0.0;
     if (bound.more >= 0) {
-      carried_.col(c) += covariance_.col(bound.more);
+      carried_.col(c) += covariance.col(bound.more);
       apart += covariance_(bound.more, bound.more);
     }
     if (bound.less >= 0) {
-      carried_.col(c) -= covariance_.col(bound.less);
+      carried_.col(c) -= covariance.col(bound.less);
       apart += covariance_(bound.less, bound.less);
     }
     // What does not vary but for rounding cannot be moved.
@@ -131,6 +163,13 @@ double UncertainCell::LeastRise(std::size_t node) const {
 // which is x + covariance a' lambda with lambda >= 0: Hildreth's method moves one lambda at a
 // time to where its own bound holds.
 bool UncertainCell::MoveIntoRange(Eigen::VectorXd& x) const {
+  const bool numbers = Move(x, 0, of_numbers_);
+  const bool nodes = Move(x, of_numbers_, variance_.size());
+  return numbers || nodes;
+}
+
+// By the bounds first .. last - 1.
+bool UncertainCell::Move(Eigen::VectorXd& x, Eigen::Index first, Eigen::Index last) const {
   constexpr double kClose = 1e-6;  // of a standard error
   constexpr int kMostSweeps = 10000;
   Eigen::VectorXd lambda = Eigen::VectorXd::Zero(variance_.size());
@@ -138,7 +177,7 @@ bool UncertainCell::MoveIntoRange(Eigen::VectorXd& x) const {
   bool moved = false;
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double farthest = 0.0;
-    for (Eigen::Index c = 0; c < lambda.size(); ++c) {
+    for (Eigen::Index c = first; c < last; ++c) {
       if (variance_[c] == 0.0) continue;
       const Bound& bound = range_[static_cast<std::size_t>(c)];
       const double missing = bound.least - bound.Of(x);
@@ -170,7 +209,7 @@ Cell UncertainCell::At(const Eigen::VectorXd& x) const {
     SetCellParameter(cell, Name(k), value);
   }
   SetVoltages(cell, x);
-  if (soc_follows_alpha_) KeepCharge(cell);
+  if (soc_follows_alpha_) MoveChargeAxis(cell, 1.0, base_.alpha_C() / cell.alpha_C());
   return cell;
 }
 
@@ -188,59 +227,6 @@ void UncertainCell::SetVoltages(Cell& cell, const Eigen::VectorXd& x) const {
   }
   for (std::size_t node = 0; node < voltage_V.size(); ++node) {
     if (node_[node] >= 0) SetCellParameter(cell, Name(node_[node]), voltage_V[node]);
-  }
-}
-
-// Curves over charge, over the axis of the drawn alpha: 1 - A' = (1 - A) alpha/alpha'.
-void UncertainCell::KeepCharge(Cell& cell) const {
-  const double ratio = base_.alpha_C() / cell.alpha_C();
-  if (ratio == 1.0) return;
-  const auto move = [ratio](double soc) { return 1.0 - (1.0 - soc) * ratio; };
-  const auto move_all = [&](std::vector<double> soc) {
-    for (double& a : soc) a = move(a);
-    return soc;
-  };
-  const auto move_table = [&](Resistance<double>& r) { r.soc = move_all(std::move(r.soc)); };
-  move_table(cell.series_resistance_Ohm);
-  for (auto& branch : cell.branches) move_table(branch.resistance_Ohm);
-  if (cell.charge_transfer) move_table(cell.charge_transfer->resistance_Ohm);
-  if (cell.temperature && cell.temperature->entropy)
-    cell.temperature->entropy->soc = move_all(std::move(cell.temperature->entropy->soc));
-  if (cell.hysteresis) {
-    cell.hysteresis->soc = move_all(std::move(cell.hysteresis->soc));
-    cell.hysteresis->folds /= ratio;  // of e-folds over a charge that is another
-  }
-  const OpenCircuitVoltage curve = cell.open_circuit_voltage;
-  const double lo = move(curve.soc_lo());
-  const double hi = move(curve.soc_hi());
-  switch (curve.method()) {
-    case OcvMethod::kLinear:
-      cell.open_circuit_voltage =
-          OpenCircuitVoltage::Linear(move_all(curve.soc()), curve.voltage_V());
-      break;
-    case OcvMethod::kMonotoneCubic:
-      cell.open_circuit_voltage =
-          OpenCircuitVoltage::MonotoneCubic(move_all(curve.soc()), curve.voltage_V());
-      break;
-    case OcvMethod::kPolynomial:
-      cell.open_circuit_voltage = OpenCircuitVoltage::Polynomial(lo, hi, curve.coefficients_V());
-      break;
-    case OcvMethod::kFourier: {
-      // A = 1 - 1/ratio + A'/ratio: another frequency, and harmonics that begin elsewhere.
-      const double frequency_rad = curve.frequency_rad() / ratio;
-      auto cosine_V = curve.coefficients_V();
-      auto sine_V = curve.sine_V();
-      for (std::size_t k = 1; k < cosine_V.size(); ++k) {
-        const double phase = static_cast<double>(k) * curve.frequency_rad() * (1.0 - 1.0 / ratio);
-        const double a = cosine_V[k];
-        const double b = sine_V[k - 1];
-        cosine_V[k] = a * std::cos(phase) + b * std::sin(phase);
-        sine_V[k - 1] = b * std::cos(phase) - a * std::sin(phase);
-      }
-      cell.open_circuit_voltage = OpenCircuitVoltage::Fourier(
-          lo, hi, frequency_rad, std::move(cosine_V), std::move(sine_V));
-      break;
-    }
   }
 }
 

@@ -38,9 +38,11 @@ class UncertainCell {
   /// The variance of each column of F in those units.
   [[nodiscard]] const Eigen::VectorXd& variances() const { return variances_; }
 
-  /// Takes a vector out of range to the one in range that is nearest to it in the metric of the covariance, as the
+  /// Takes a vector out of range to one in range that is near in the metric of the covariance, as the
   /// estimator itself stops at its bounds: a resistance that may not become negative takes its partners
-  /// along, and their well-known sum stays. Whether it was out of range.
+  /// along, and their well-known sum stays. Parameters that are one number come first; the nodes of tables,
+  /// of which some are out of range in nearly every draw, then move with those held, or alpha and beta would
+  /// hardly vary. Whether it was out of range.
   bool MoveIntoRange(Eigen::VectorXd& x) const;
 
   /// The cell of a vector in range, without the run record and the uncertainty of the one it started from.
@@ -58,9 +60,10 @@ class UncertainCell {
     return kinds_[static_cast<std::size_t>(k)];
   }
   void FindRange();
+  void FindMoves();
+  bool Move(Eigen::VectorXd& x, Eigen::Index first, Eigen::Index last) const;
   [[nodiscard]] double LeastRise(std::size_t node) const;
   void SetVoltages(Cell& cell, const Eigen::VectorXd& x) const;
-  void KeepCharge(Cell& cell) const;
 
   // A bound of the range: x[more] - x[less] >= least, where -1 stands for none.
   struct Bound {
@@ -83,9 +86,10 @@ class UncertainCell {
   Eigen::MatrixXd factor_;
   Eigen::VectorXd variances_;
   std::vector<Eigen::Index> node_;  // which parameter a node of v_oc is; -1: none
-  std::vector<Bound> range_;
-  Eigen::MatrixXd carried_;   // how all move with one unit of lambda of a bound
-  Eigen::VectorXd variance_;  // of what each bound is for; 0: it does not vary
+  std::vector<Bound> range_;        // first those of parameters that are one number
+  Eigen::Index of_numbers_ = 0;     // how many they are
+  Eigen::MatrixXd carried_;         // how all move with one unit of lambda of a bound
+  Eigen::VectorXd variance_;        // of what each bound is for; 0: it does not vary
 };
 
 /// The columns of F of at least this variance, that of a single parameter being 1; the largest first.

@@ -61,6 +61,17 @@ class LoadError : public std::runtime_error {
   std::vector<Diagnostic> diagnostics_;
 };
 
+/// What is wrong with the inputs of `body`; empty where it comes to its end.
+template <class Body>
+[[nodiscard]] std::vector<Diagnostic> DiagnosticsOf(Body&& body) {
+  try {
+    body();
+  } catch (const LoadError& error) {
+    return error.diagnostics();
+  }
+  return {};
+}
+
 /// Something is wrong with an option or an argument; what() is a sentence that says what to do
 /// instead.
 class OptionError : public std::runtime_error {

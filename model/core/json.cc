@@ -390,10 +390,11 @@ void JsonReader::OnlyKeys(std::initializer_list<std::string_view> known) const {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const std::string pointer = pointer_ + PointerOfKey(key);
     throw LoadError(PositionOfByte(*file_, text_, Locator(text_, *file_, pointer, true).Find()),
-                    fmt::format("{}: expected one of the keys {}, found '{}'",
+                    fmt::format("{}: expected one of the keys {}, found '{}'{}",
                                 ForeignText(pointer),
                                 fmt::join(known, ", "),
-                                ForeignText(key)));
+                                ForeignText(key),
+                                NearKey(key, {known.begin(), known.end()})));
   }
 }
 

@@ -34,7 +34,8 @@ std::string Nearest(std::string_view typed, const std::vector<std::string>& know
   std::string nearest;
   for (const auto& name : known) {
     // As many edits as the lengths differ are needed anyhow, and a typed megabyte is like no name.
-    if (std::max(name.size(), typed.size()) - std::min(name.size(), typed.size()) >= fewest) continue;
+    if (std::max(name.size(), typed.size()) - std::min(name.size(), typed.size()) >= fewest)
+      continue;
     const auto edits = Edits(typed, name);
     if (edits < fewest) {
       fewest = edits;
@@ -49,12 +50,21 @@ std::string DidYouMean(std::string_view typed, const std::vector<std::string>& k
   return nearest.empty() ? "" : fmt::format(" Did you mean '{}'?", nearest);
 }
 
+std::string NearKey(std::string_view typed, const std::vector<std::string>& known) {
+  constexpr std::size_t kFewest = 3;
+  const std::string near = typed.size() < kFewest ? "" : Nearest(typed, known);
+  return near.empty() ? "" : fmt::format("; is it '{}'?", near);
+}
+
 std::string UnknownName(std::string_view what,
                         std::string_view typed,
                         const std::vector<std::string>& known) {
   if (known.empty()) return fmt::format("unknown {} '{}'; there are none", what, typed);
-  return fmt::format(
-      "unknown {} '{}'.{} Known: {}", what, typed, DidYouMean(typed, known), fmt::join(known, ", "));
+  return fmt::format("unknown {} '{}'.{} Known: {}",
+                     what,
+                     typed,
+                     DidYouMean(typed, known),
+                     fmt::join(known, ", "));
 }
 
 }  // namespace lipoid

@@ -18,6 +18,10 @@ namespace lipoid {
 /// " Did you mean 'list'?", to be put behind a sentence; "" where no known name is near.
 [[nodiscard]] std::string DidYouMean(std::string_view typed, const std::vector<std::string>& known);
 
+/// "; is it 'weight'?", to be put behind what was found; "" where no known key is near.
+/// Of one or two letters every other is near: none is named.
+[[nodiscard]] std::string NearKey(std::string_view typed, const std::vector<std::string>& known);
+
 /// "unknown command 'lst'. Did you mean 'list'? Known: ...".
 [[nodiscard]] std::string UnknownName(std::string_view what,
                                       std::string_view typed,

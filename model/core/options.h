@@ -47,11 +47,15 @@ struct Names {};
 struct Numbers {};
 
 /// What `--help`, `list --options` and the docs say of one option.
+/// What an option takes, which not every text of what is valid tells: "1 .. 5" are integers or numbers.
+enum class OptionKind { kNumber, kInteger, kTruth, kChoice, kNumbers, kText };
+
 struct OptionDescription {
   std::string name;
   std::string default_text;
   std::string valid;  ///< "0 .. 5", "linear | polynomial", "true | false"
   std::string help;
+  OptionKind kind = OptionKind::kText;
 };
 
 namespace options_internal {
@@ -126,6 +130,29 @@ std::string DescribeValid(const Valid& valid) {
   }
 }
 
+template <class T, class Valid>
+constexpr OptionKind KindOf() {
+  if constexpr (std::is_same_v<Valid, Numbers>) return OptionKind::kNumbers;
+  if constexpr (std::is_enum_v<T>) return OptionKind::kChoice;
+  if constexpr (std::is_same_v<T, bool>) return OptionKind::kTruth;
+  if constexpr (std::is_same_v<T, int>) return OptionKind::kInteger;
+  if constexpr (std::is_same_v<T, double>) return OptionKind::kNumber;
+  return OptionKind::kText;
+}
+
+/// What is told of an option of this value.
+template <class T, class Valid>
+OptionDescription Describe(std::string_view name,
+                           std::string default_text,
+                           const Valid& valid,
+                           std::string_view help) {
+  return {std::string(name),
+          std::move(default_text),
+          DescribeValid<T>(valid),
+          std::string(help),
+          KindOf<T, Valid>()};
+}
+
 }  // namespace options_internal
 
 /// Every option with its value as text, in the order of declaration.
@@ -148,10 +175,8 @@ template <class Options>
       defaults,
       [&](std::string_view name, const auto& member, const auto& valid, const char* help) {
         using T = std::remove_cvref_t<decltype(member)>;
-        all.push_back({std::string(name),
-                       options_internal::ToText(member),
-                       options_internal::DescribeValid<T>(valid),
-                       help});
+        all.push_back(
+            options_internal::Describe<T>(name, options_internal::ToText(member), valid, help));
       });
   return all;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "model/core/foreign_text.h"
+#include "model/core/nearest_name.h"
 #include "model/core/structured_text.h"
 
 namespace lipoid {
@@ -76,9 +77,10 @@ void TomlReader::OnlyKeys(std::span<const std::string_view> known) const {
   for (const auto& [key, value] : table_) {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
     Problem(At(key.source()),
-            fmt::format("expected one of the keys {}, found '{}'",
+            fmt::format("expected one of the keys {}, found '{}'{}",
                         fmt::join(known, ", "),
-                        ForeignText(key.str())));
+                        ForeignText(key.str()),
+                        NearKey(key.str(), {known.begin(), known.end()})));
   }
 }
 

@@ -9,6 +9,7 @@
 #include "model/battery/cell_model.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
+#include "model/core/significant_digits.h"
 #include "model/export/cell_numbers.h"
 #include "model/export/folded_branches.h"
 #include "model/export/provenance.h"
@@ -36,7 +37,7 @@ std::vector<TestRow> TestRows(const Cell& cell) {
   for (int round = 0; round < 4; ++round) {
     for (const double rate : kRates_per_h) {
       // Printed with few digits and read back, so that file and reference share the number.
-      const double current_A = std::stod(fmt::format("{:.6g}", rate * per_hour_A));
+      const double current_A = RoundToDigits(rate * per_hour_A, 6);
       rows.push_back({100, 0.005, current_A});
       rows.push_back({9, 2.5, current_A});
     }

@@ -16,6 +16,7 @@
 #include "model/core/nearest_name.h"
 #include "model/core/special_values.h"
 #include "model/core/structured_text.h"
+#include "model/core/text_cells.h"
 #include "model/export/cell_numbers.h"
 #include "model/export/curve_nodes.h"
 #include "model/export/export_error.h"
@@ -26,13 +27,6 @@ namespace {
 
 constexpr double kLeast = std::numeric_limits<double>::min();
 constexpr int kMostBranches = 20;
-
-std::string_view Trim(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
-    text.remove_suffix(1);
-  return text;
-}
 
 // The state of charge of every node of any table.
 std::vector<double> AllNodes(const Cell& cell, const CurveNodes& curve) {
@@ -155,26 +149,7 @@ struct Columns {
   std::vector<std::ptrdiff_t> time_constant;
 };
 
-struct Field {
-  std::string_view text;
-  std::size_t column;
-};
-
-std::vector<Field> Split(std::string_view line) {
-  std::vector<Field> fields;
-  std::size_t begin = 0;
-  while (true) {
-    const std::size_t end = std::min(line.find(',', begin), line.size());
-    const std::string_view raw = line.substr(begin, end - begin);
-    const std::string_view text = Trim(raw);
-    fields.push_back(
-        {text, text.empty() ? begin + 1 : static_cast<std::size_t>(text.data() - line.data()) + 1});
-    if (end == line.size()) return fields;
-    begin = end + 1;
-  }
-}
-
-Columns ReadHeader(const Place& place, const std::vector<Field>& fields) {
+Columns ReadHeader(const Place& place, const std::vector<TextCell>& fields) {
   Columns columns;
   std::vector<std::pair<std::string, std::ptrdiff_t*>> known = {
       {"soc", &columns.soc},
@@ -286,6 +261,7 @@ Cell ParseCellTables(const std::string& text,
   std::size_t fields_of_header = 0;
   std::vector<std::vector<double>> values;  // by field
   std::vector<std::string> seen;
+  std::vector<TextCell> fields;
   std::size_t line_number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -293,10 +269,10 @@ Cell ParseCellTables(const std::string& text,
     begin = end + 1;
     const Place place{file, ++line_number};
     if (line_number == 1 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
-    if (Trim(line).empty()) continue;
+    if (Trimmed(line).empty()) continue;
     if (line.starts_with("#:")) {
       const std::size_t equals = line.find('=');
-      const std::string_view name = Trim(line.substr(2, std::min(equals, line.size()) - 2));
+      const std::string_view name = Trimmed(line.substr(2, std::min(equals, line.size()) - 2));
       std::vector<std::string> names;
       for (const auto& [known, set] : Setters()) names.push_back(known);
       const auto found = std::find(names.begin(), names.end(), name);
@@ -305,7 +281,7 @@ Cell ParseCellTables(const std::string& text,
       if (std::find(seen.begin(), seen.end(), name) != seen.end())
         Fail(place, 1, fmt::format("expected every number once, found {} again", name));
       seen.emplace_back(name);
-      const std::string_view value = Trim(line.substr(equals + 1));
+      const std::string_view value = Trimmed(line.substr(equals + 1));
       const std::size_t column =
           value.empty() ? equals + 2 : static_cast<std::size_t>(value.data() - line.data()) + 1;
       Setters()[static_cast<std::size_t>(found - names.begin())].second(
@@ -313,7 +289,7 @@ Cell ParseCellTables(const std::string& text,
       continue;
     }
     if (line.front() == '#') continue;
-    const auto fields = Split(line);
+    SplitLine(line, ',', fields);
     if (!columns) {
       columns = ReadHeader(place, fields);
       fields_of_header = fields.size();

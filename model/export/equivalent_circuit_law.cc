@@ -3,16 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace lipoid {
+#include "model/battery/soc_table.h"
 
-double Interpolated(const std::vector<double>& soc, const std::vector<double>& values, double at) {
-  if (!(at > soc.front())) return values.front();
-  if (at >= soc.back()) return values.back();
-  const auto above =
-      static_cast<std::size_t>(std::upper_bound(soc.begin(), soc.end(), at) - soc.begin());
-  const double share = (at - soc[above - 1]) / (soc[above] - soc[above - 1]);
-  return values[above - 1] + share * (values[above] - values[above - 1]);
-}
+namespace lipoid {
 
 std::vector<double> EquivalentCircuitVoltage(const EquivalentCircuit& circuit,
                                              const ExportMission& mission,
@@ -32,13 +25,13 @@ std::vector<double> EquivalentCircuitVoltage(const EquivalentCircuit& circuit,
         const double share = -std::expm1(-dt_s / branch.time_constant_s);
         for (double n = 0.0; n < steps; n += 1.0) {
           const double middle = before + (soc - before) * (n + 0.5) / steps;
-          const double goal_V = Interpolated(circuit.soc, branch.resistance_Ohm, middle) * flow_A;
+          const double goal_V = OverSoc(circuit.soc, branch.resistance_Ohm, middle) * flow_A;
           branch_V[j] += share * (goal_V - branch_V[j]);
         }
       }
     }
-    volts[k] = Interpolated(circuit.open_circuit.soc, circuit.open_circuit.voltage_V, soc) -
-               Interpolated(circuit.soc, circuit.series_Ohm, soc) * mission.current_A[k];
+    volts[k] = OverSoc(circuit.open_circuit.soc, circuit.open_circuit.voltage_V, soc) -
+               OverSoc(circuit.soc, circuit.series_Ohm, soc) * mission.current_A[k];
     for (const double drop_V : branch_V) volts[k] -= drop_V;
   }
   return volts;

@@ -35,11 +35,6 @@ struct EquivalentCircuit {
                                                            const ExportMission& mission,
                                                            const std::vector<double>& drawn_Ah);
 
-/// Straight lines between nodes; the end value beyond them.
-[[nodiscard]] double Interpolated(const std::vector<double>& soc,
-                                  const std::vector<double>& values,
-                                  double at);
-
 /// A row over which the state of charge changes by more than this is taken in several steps, each
 /// of which takes r_j in its middle.
 inline constexpr double kLargestSocStep = 0.002;

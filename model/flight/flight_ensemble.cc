@@ -1,12 +1,11 @@
 #include "model/flight/flight_ensemble.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 #include "model/statistics/interval_95.h"
 
 namespace lipoid {
@@ -19,7 +18,7 @@ std::vector<FlightResult> FlyOnEach(const FlightSetup& setup,
   Require(initial_soc.size() == cells.size(), "a start for each cell");
   std::vector<FlightResult> flights(cells.size());
   std::atomic<std::size_t> flown = 0;
-  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t k) {
+  ParallelFor(cells.size(), [&](std::size_t k) {
     FlightSetup own = setup;
     own.cell = cells[k];
     own.initial_soc = initial_soc[k];

@@ -301,8 +301,6 @@ std::string VehicleToToml(const Vehicle& v, const VehicleSources& sources) {
   return text;
 }
 
-Vehicle ReadVehicleFile(const std::string& file) { return ParseVehicle(ReadTextFile(file), file); }
-
 std::vector<std::string> ShippedVehicleNames() { return NamesOf(kShippedVehicles); }
 
 Vehicle LoadVehicle(const std::string& name_or_file) {

@@ -22,7 +22,6 @@ namespace lipoid {
 
 /// Reads a vehicle file strictly: unknown and missing keys, wrong types, values out of range and
 /// an inertia that no body has are LoadErrors with line and column, all of one file at once.
-[[nodiscard]] Vehicle ReadVehicleFile(const std::string& file);
 [[nodiscard]] Vehicle ParseVehicle(const std::string& text, const std::string& file);
 
 /// Where the numbers of a vehicle are from: key and sentence.

@@ -12,7 +12,7 @@ import pandas as pd
 from lipoid import _core, interoperability
 from lipoid._cell import Cell, as_cell
 from lipoid._keywords import present, takes
-from lipoid._log import Log, core_of, listed, read_log
+from lipoid._log import Log, core_of, listed, of_table, read_log
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
@@ -49,7 +49,8 @@ def _logs(kind: str, given: Any, reading: dict[str, Any]) -> list[tuple[Any, dic
             if unknown := Log._unknown(said):
                 known = ["file", *_OF_ONE, *(one["name"] for one in _core.describe_reading(False))]
                 raise OptionError(f"{name}: {_core.unknown_name('option', unknown[0], known)}")
-            logs.append((Log(one, name=name, **cast(Any, said))._core, of_one))
+            how = {**of_table(reading, one), **said}
+            logs.append((Log(one, name=name, **cast(Any, how))._core, of_one))
         elif readers.is_table(one):
             how = {"most_rows": _core.most_rows_kept, **reading, **said}
             logs.append((read_log(one, **cast(Any, how))._core, of_one))
@@ -71,7 +72,8 @@ class Campaign:
     Parameters
     ----------
     reading : dict, optional
-        How files are read: the options of :func:`read_log`.
+        How files are read: the options of :func:`read_log`. Of a data frame those of :class:`Log`
+        hold, too; a :class:`Log` is read already.
     {options}
 
     Examples
@@ -95,9 +97,15 @@ class Campaign:
         how: dict[str, Any] = dict(reading or {})
         _core.check_reading(how)
         given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
+        taken = [one for kind in KINDS for one in listed(given.get(kind, ()))]
         for kind in KINDS:
             if kind in given:
                 given[kind] = _logs(kind, given[kind], how)
+        if how and taken and all(isinstance(one, Log) for one in taken):
+            raise OptionError(
+                f"option reading: {next(iter(how))} is for files and data frames, and every log is "
+                "a Log, which is read already; say it where that is made"
+            )
         self._core = _core.make_campaign(given, [])
         for kind in KINDS:
             given[kind] = [(_resolved(log), said) for log, said in given.get(kind, ())]
@@ -215,7 +223,11 @@ class Campaign:
         return interoperability.to_pybop(one._core, fitted, free, spread)
 
     def to_toml(self) -> str:
-        """Return the campaign as the text of a campaign file; its logs must be files."""
+        """Return the campaign as the text of a campaign file; its logs must be files.
+
+        Names of files are as the campaign has them: where it was read from a file, relative to the
+        folder of that.
+        """
         return self._core.to_toml()
 
     def __reduce__(self) -> Any:

@@ -64,7 +64,8 @@ class Comparison(Reportable):
     def cautions(self) -> list[str]:
         """Why the best is no answer, where it is none, and which numbers are no findings."""
         because = self.summary["no_answer_because"]
-        return [*([because] if because else []), *self.summary["cautions"]]
+        said = [*([because] if because else []), *self.summary["cautions"]]
+        return [_core.in_python(one) for one in said]
 
     def plot(self, axes: Any = None) -> list[Axes]:
         """Draw how far errors are above the least over time; return the axes."""

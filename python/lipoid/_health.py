@@ -105,4 +105,4 @@ def health(
     logs = as_logs(flights, "health: expected at least one flight", reading)
     one = as_cell(cell)
     summary, sentence = _core.health(one._core, [log._core for log in logs], given)
-    return Health(sentence, summary, inputs_of(one, logs))
+    return Health(_core.in_python(sentence), summary, inputs_of(one, logs))

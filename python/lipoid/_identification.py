@@ -205,7 +205,8 @@ def identify(
     if not converged:
         logger.warning("%s: not converged", made.name)
     beside = None if staged is None else Cell._of(staged)
-    return Identification(Cell._of(core), summary, converged, usable, sentence, made, beside)
+    said = _core.in_python(sentence)
+    return Identification(Cell._of(core), summary, converged, usable, said, made, beside)
 
 
 def _tell_what_changes_nothing(options: Mapping[str, Any]) -> None:

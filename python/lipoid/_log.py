@@ -414,16 +414,27 @@ def as_logs(logs: Any, wanted: str, reading: Mapping[str, Any] = {}) -> list[Log
 def _log_of(one: Any, reading: Mapping[str, Any]) -> Log:
     if isinstance(one, (str, os.PathLike)):
         return read_log(one, **cast("ReadingOptions", reading))
-    if reading:
-        raise OptionError(
-            f"option {next(iter(reading))}: it is for files that are read here, found a "
-            f"{type(one).__name__}; say it where that is made"
-        )
-    if isinstance(one, Log):
-        return one
     if callable(getattr(one, "log", None)):  # of lipoid.fly
         raise OptionError(f"expected logs, found a {type(one).__name__}; its log() is one")
-    return Log(one)
+    if not isinstance(one, Log):
+        return Log(one, **cast(Any, of_table(reading, one)))
+    if reading:
+        option = next(iter(reading))
+        raise OptionError(
+            f"option {option}: it is for what is read here, found a Log, which is read already; "
+            f"say it where that is made: lipoid.Log(..., {option}=...) or lipoid.read_log(...)"
+        )
+    return one
+
+
+def of_table(reading: Mapping[str, Any], table: Any) -> Mapping[str, Any]:
+    """Return the options of reading, which a table of a log takes, too; else refuse."""
+    if files_only := Log._unknown(reading):
+        raise OptionError(
+            f"option {files_only[0]}: it is for files, found a {type(table).__name__}, whose "
+            "columns have names and units of a log and whose rows are all taken; change it before"
+        )
+    return reading
 
 
 def mission_of(mission: Log | str | os.PathLike[str] | None) -> Any:

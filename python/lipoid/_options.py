@@ -151,7 +151,7 @@ class CompareInteriorPointGroup(TypedDict, total=False):
 
     step_tolerance: float
     function_tolerance: float
-    iterations_per_variable: float
+    iterations_per_variable: int
     hessian: Literal["gauss-newton", "limited-memory"]
 
 
@@ -160,7 +160,7 @@ class CompareSqpGroup(TypedDict, total=False):
 
     step_tolerance: float
     function_tolerance: float
-    iterations_per_variable: float
+    iterations_per_variable: int
 
 
 class CompareActiveSetGroup(TypedDict, total=False):
@@ -168,7 +168,7 @@ class CompareActiveSetGroup(TypedDict, total=False):
 
     step_tolerance: float
     function_tolerance: float
-    iterations_per_variable: float
+    iterations_per_variable: int
 
 
 class CompareLevenbergMarquardtGroup(TypedDict, total=False):
@@ -176,7 +176,7 @@ class CompareLevenbergMarquardtGroup(TypedDict, total=False):
 
     step_tolerance: float
     function_tolerance: float
-    iterations_per_variable: float
+    iterations_per_variable: int
 
 
 class CompareGeneticGroup(TypedDict, total=False):
@@ -184,10 +184,10 @@ class CompareGeneticGroup(TypedDict, total=False):
 
     step_tolerance: float
     function_tolerance: float
-    population: float
-    stall: float
-    iterations_per_variable: float
-    generations: float
+    population: int
+    stall: int
+    iterations_per_variable: int
+    generations: int
     crossover: float
     crossover_index: float
     mutation: float
@@ -199,13 +199,13 @@ class CompareParticleSwarmGroup(TypedDict, total=False):
 
     step_tolerance: float
     function_tolerance: float
-    population: float
-    stall: float
-    iterations_per_variable: float
+    population: int
+    stall: int
+    iterations_per_variable: int
     constriction: float
     own_attraction: float
     social_attraction: float
-    neighbours: float
+    neighbours: int
     maximum_velocity: float
 
 
@@ -214,9 +214,9 @@ class CompareSimulatedAnnealingGroup(TypedDict, total=False):
 
     step_tolerance: float
     function_tolerance: float
-    stall: float
-    iterations_per_variable: float
-    moves: float
+    stall: int
+    iterations_per_variable: int
+    moves: int
     first_temperature: float
     last_temperature: float
     range: float
@@ -227,9 +227,9 @@ class CompareCmaEsGroup(TypedDict, total=False):
 
     step_tolerance: float
     function_tolerance: float
-    population: float
-    stall: float
-    iterations_per_variable: float
+    population: int
+    stall: int
+    iterations_per_variable: int
     initial_step: float
 
 
@@ -238,9 +238,9 @@ class CompareDifferentialEvolutionGroup(TypedDict, total=False):
 
     step_tolerance: float
     function_tolerance: float
-    population: float
-    stall: float
-    iterations_per_variable: float
+    population: int
+    stall: int
+    iterations_per_variable: int
     weight: float
     crossover: float
 
@@ -249,7 +249,7 @@ class CompareNelderMeadGroup(TypedDict, total=False):
     """Keys of ``nelder_mead``."""
 
     step_tolerance: float
-    iterations_per_variable: float
+    iterations_per_variable: int
     initial_step: float
 
 
@@ -257,7 +257,7 @@ class CompareBobyqaGroup(TypedDict, total=False):
     """Keys of ``bobyqa``."""
 
     step_tolerance: float
-    iterations_per_variable: float
+    iterations_per_variable: int
     initial_step: float
 
 

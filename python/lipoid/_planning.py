@@ -59,8 +59,9 @@ def plan(
         row = {key: value for key, value in one.items() if key != "sentence"}
         for parameter in parameters:
             row[f"{parameter['name']}_standard_error"] = parameter["standard_error"]
-        rows.append({**row, "sentence": one["sentence"]})
+        rows.append({**row, "sentence": _core.in_python(one["sentence"])})
     table = pd.DataFrame(rows)
+    summary["left_out"] = [_core.in_python(one) for one in summary.get("left_out", [])]
     table.attrs.update(summary)
     return table
 

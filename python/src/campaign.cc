@@ -125,6 +125,12 @@ nb::list Entries(const PythonCampaign& self) {
 std::string ToToml(const PythonCampaign& self) {
   for (std::size_t k = 0; k < self.given().size(); ++k) {
     const std::string& file = self.campaign().logs[k].file;
+    if (!self.given()[k] && self.campaign().logs[k].read.most_rows != kMostRowsKept) {
+      throw OptionError(fmt::format(
+          "to_toml: a campaign file cannot hold most_rows, as the log '{}' has it; leave it out there, or keep "
+          "the campaign in Python",
+          file));
+    }
     if (!self.given()[k] || std::filesystem::exists(file)) continue;
     throw OptionError(fmt::format(
         "to_toml: the log '{}' is in memory, and a campaign file names files; write it to one "

@@ -32,10 +32,18 @@ std::string InDictionary(const std::string& pairs) {
 }
 
 // Messages name options as one types them on the command line: --low-rate, --series 4, --units s,A,V,
-// --columns time_s=1 current_A=2, --set square.* for the options of a maneuver.
+// --columns time_s=1 current_A=2, --set pulses.terms=34 for one of a group, --set square.* for the options of a
+// maneuver, -o, and --method joint, the one whose value is a single word.
 std::string InPython(const std::string& of_command) {
   static const std::regex maneuver("--set [a-z-]+\\.\\*");
-  const std::string message = std::regex_replace(of_command, maneuver, "maneuver_options");
+  static const std::regex of_group(
+      "--set ([a-z_]+)\\.([A-Za-z_0-9]+)=(\\.\\.\\.|[A-Za-z0-9][A-Za-z0-9.+-]*[A-Za-z0-9]|[0-9])");
+  static const std::regex method("--method (joint|staged)");
+  static const std::regex output("(option |`)-o\\b");
+  std::string message = std::regex_replace(of_command, maneuver, "maneuver_options");
+  message = std::regex_replace(message, of_group, "$1={\"$2\": $3}");
+  message = std::regex_replace(message, method, "method=\"$1\"");
+  message = std::regex_replace(message, output, "$1output");
   static const std::regex option(
       "--([A-Za-z][A-Za-z-]*)(?:"
       "((?: [A-Za-z_][A-Za-z_0-9]*=(?:[0-9][0-9.e+-]*(?:,[0-9a-z][0-9a-z.+-]*)?|\"[^\"]*\"|[A-Z]+(?:,[A-Z]+)?))+)|"  // pairs

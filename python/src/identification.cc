@@ -88,12 +88,6 @@ nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
                         found.Verdict());
 }
 
-Cell OneOf(const Cell& pack) {
-  Cell one = pack;
-  one.series = one.parallel = 1;
-  return one;
-}
-
 // Of a cell that is as many as cell.pack() says, where the command line has options.
 std::string OfPack(const std::string& message) {
   static const std::regex given("`(series|parallel)` = ([0-9]+) \\(--(series|parallel) [0-9]+\\)");
@@ -112,7 +106,7 @@ LogErrors ErrorsOf(const Cell& pack,
   if (record.voltage_V.empty())
     throw LoadError({record.file}, "expected a voltage to compare with, found none");
   RefuseUnknownCharge(record, of_pack.report.gaps, pack.capacity_Ah * pack.parallel);
-  const Cell one = OneOf(pack);
+  const Cell one = pack.AsOne();
   DivideByPack(record, pack.series, pack.parallel);
   try {
     (void)CheckPlausible(record, one.capacity_Ah, pack.series, pack.parallel);
@@ -151,7 +145,7 @@ nb::tuple ValidateLogs(const PythonCell& pack, const nb::list& logs, const nb::d
         if (!doubt.empty()) rows.back()["doubt"] = std::move(doubt);
       }
     });
-    const FitQuality quality = JudgeFit(OneOf(pack.cell), all, {}, 0.0, 0.0, AlphaOf::kElsewhere);
+    const FitQuality quality = JudgeFit(pack.cell.AsOne(), all, {}, 0.0, 0.0, AlphaOf::kElsewhere);
     verdict = {{"fit", FitToJson(quality)}, {"edges", EdgesToJson(quality.edges)}};
   }
   return nb::make_tuple(ToPython(rows), ToPython(verdict));
@@ -163,7 +157,7 @@ nb::list PredictLogs(const PythonCell& pack,
                      const PythonCampaign& campaign,
                      const std::optional<std::string>& only) {
   nb::list all;
-  const Cell one = OneOf(pack.cell);
+  const Cell one = pack.cell.AsOne();
   const std::vector<LoadedLog>* logs = nullptr;
   {
     const WithoutLock unlocked;
@@ -196,7 +190,7 @@ nb::list ErrorsOfLogs(const PythonCell& pack, const PythonCampaign& campaign) {
   Json rows = Json::array();
   {
     const WithoutLock unlocked;
-    const Cell one = OneOf(pack.cell);
+    const Cell one = pack.cell.AsOne();
     for (const LoadedLog& log : campaign.Logs()) {
       if (log.entry.kind == LogKind::kValidation) continue;
       Json row = {{"kind", options_internal::ToText(log.entry.kind)}};

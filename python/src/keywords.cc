@@ -30,15 +30,38 @@ double NumberOf(const std::string& name, nb::handle value) {
   return options_internal::ParseDouble(name, TextOf(name, value), Range{});
 }
 
-// The type of an option of which only its description is known.
-std::string InferredType(const OptionDescription& option) {
-  if (option.valid == "true | false") return "bool";
-  if (option.valid == "text") return "str";
-  if (option.valid.find(" | ") == std::string::npos) return "float";
+// For stubs.
+std::string TypeOf(const OptionDescription& option) {
+  switch (option.kind) {
+    case OptionKind::kNumber:
+      return "float";
+    case OptionKind::kInteger:
+      return "int";
+    case OptionKind::kTruth:
+      return "bool";
+    case OptionKind::kNumbers:
+      return "str | float | Sequence[float]";
+    case OptionKind::kText:
+      return "str";
+    case OptionKind::kChoice:
+      break;
+  }
   std::string type = "Literal[\"" + option.valid + "\"]";
   for (auto at = type.find(" | "); at != std::string::npos; at = type.find(" | "))
     type.replace(at, 3, "\", \"");
   return type;
+}
+
+nb::dict DescriptionOf(const std::string& name,
+                       const OptionDescription& option,
+                       bool or_none = false) {
+  nb::dict one;
+  one["name"] = name;
+  one["type"] = TypeOf(option) + (or_none ? " | None" : "");
+  one["default"] = option.default_text;
+  one["valid"] = option.valid;
+  one["help"] = option.help;
+  return one;
 }
 
 }  // namespace
@@ -102,21 +125,15 @@ std::optional<nb::object> Keywords::Given(const std::string& name) const {
 }
 
 void Keywords::Declare(std::string_view name,
-                       OptionDescription option,
-                       std::string_view type,
+                       const OptionDescription& option,
+                       bool or_none,
                        const std::function<void(const std::string&, const std::string&)>& set) {
   const std::string shown = PythonName(name);
   known_.push_back(shown);
-  nb::dict one;
-  one["name"] = shown;
-  one["type"] = nb::str(type.data(), type.size());
-  one["default"] = option.default_text;
-  one["valid"] = option.valid;
-  one["help"] = option.help;
-  described_.append(one);
+  described_.append(DescriptionOf(shown, option, or_none));
   const auto value = Given(shown);
   if (!value) return;
-  const bool numbers = type == kNumbers && !nb::isinstance<nb::str>(*value);
+  const bool numbers = option.kind == OptionKind::kNumbers && !nb::isinstance<nb::str>(*value);
   set(shown,
       numbers ? fmt::format("{}", fmt::join(NumbersOf(shown, *value, Range{}), ","))
               : TextOf(shown, *value));
@@ -128,7 +145,7 @@ void Keywords::Text(std::string_view name,
                     std::string_view help) {
   Declare(name,
           {{}, value, std::string(word), std::string(help)},
-          "str",
+          false,
           [&](const std::string&, const std::string& text) { value = text; });
 }
 
@@ -262,22 +279,15 @@ void Keywords::OfKind(std::string_view name,
 
 void Keywords::Group(std::string_view name,
                      const std::vector<OptionDescription>& options,
-                     const std::function<void(std::string_view, std::string_view)>& set,
-                     const std::vector<std::string>& types) {
+                     const std::function<void(std::string_view, std::string_view)>& set) {
   const std::string shown = PythonName(name);
   known_.push_back(shown);
   std::vector<std::string> names;
   nb::list inner;
-  for (std::size_t k = 0; k < options.size(); ++k) {
-    names.push_back(options[k].name);
-    within_.emplace_back(options[k].name, shown);
-    nb::dict one;
-    one["name"] = options[k].name;
-    one["type"] = k < types.size() ? types[k] : InferredType(options[k]);
-    one["default"] = options[k].default_text;
-    one["valid"] = options[k].valid;
-    one["help"] = options[k].help;
-    inner.append(one);
+  for (const OptionDescription& option : options) {
+    names.push_back(option.name);
+    within_.emplace_back(option.name, shown);
+    inner.append(DescriptionOf(option.name, option));
   }
   nb::dict group;
   group["name"] = shown;

@@ -30,9 +30,6 @@ namespace lipoid::python {
 
 namespace nb = nanobind;
 
-/// The type of an option that is numbers with commas between them.
-inline constexpr std::string_view kNumbers = "str | float | Sequence[float]";
-
 /// A name of the command line as Python has it: alpha_C of "alpha-C".
 [[nodiscard]] std::string PythonName(std::string_view name);
 
@@ -44,11 +41,8 @@ class Keywords {
   template <class T, class Valid>
   void Option(std::string_view name, T& value, const Valid& valid, std::string_view help) {
     Declare(name,
-            {{},
-             options_internal::ToText(value),
-             options_internal::DescribeValid<T>(valid),
-             std::string(help)},
-            TypeOf<T, Valid>(),
+            options_internal::Describe<T>(name, options_internal::ToText(value), valid, help),
+            false,
             [&](const std::string& shown, const std::string& text) {
               options_internal::FromText(shown, text, valid, value);
             });
@@ -60,11 +54,9 @@ class Keywords {
               const Valid& valid,
               std::string_view help) {
     Declare(name,
-            {{},
-             value ? options_internal::ToText(*value) : "None",
-             options_internal::DescribeValid<T>(valid),
-             std::string(help)},
-            TypeOf<T, Valid>() + " | None",
+            options_internal::Describe<T>(
+                name, value ? options_internal::ToText(*value) : "None", valid, help),
+            true,
             [&](const std::string& shown, const std::string& text) {
               options_internal::FromText(shown, text, valid, value.emplace());
             });
@@ -89,15 +81,13 @@ class Keywords {
   template <class Options>
   void Group(std::string_view name, Options& options) {
     Group(
-        name,
-        DescribeOptions<Options>(),
-        [&options](std::string_view key, std::string_view text) { SetOption(options, key, text); },
-        TypesOf<Options>());
+        name, DescribeOptions<Options>(), [&options](std::string_view key, std::string_view text) {
+          SetOption(options, key, text);
+        });
   }
   void Group(std::string_view name,
              const std::vector<OptionDescription>& options,
-             const std::function<void(std::string_view, std::string_view)>& set,
-             const std::vector<std::string>& types = {});
+             const std::function<void(std::string_view, std::string_view)>& set);
 
   /// For EachGroup() of a struct. A group whose name is an option, too, is called NAME_fit.
   auto Groups() {
@@ -163,40 +153,9 @@ class Keywords {
               const Word& word,
               std::string_view help);
 
-  template <class T, class Valid>
-  static std::string TypeOf() {
-    if constexpr (std::is_same_v<Valid, Numbers>) {
-      return std::string(kNumbers);
-    } else if constexpr (std::is_enum_v<T>) {
-      std::string type;
-      for (const auto& name : options_internal::ChoiceNames<T>())
-        type += (type.empty() ? "Literal[\"" : "\", \"") + name;
-      return type + "\"]";
-    } else if constexpr (std::is_same_v<T, bool>) {
-      return "bool";
-    } else if constexpr (std::is_same_v<T, int>) {
-      return "int";
-    } else if constexpr (std::is_same_v<T, double>) {
-      return "float";
-    } else {
-      return "str";
-    }
-  }
-  template <class Options>
-  static std::vector<std::string> TypesOf() {
-    std::vector<std::string> types;
-    const Options defaults{};
-    Options::Visit(defaults,
-                   [&](std::string_view, const auto& member, const auto& valid, const char*) {
-                     types.push_back(TypeOf<std::remove_cvref_t<decltype(member)>,
-                                            std::remove_cvref_t<decltype(valid)>>());
-                   });
-    return types;
-  }
-
   void Declare(std::string_view name,
-               OptionDescription option,
-               std::string_view type,
+               const OptionDescription& option,
+               bool or_none,
                const std::function<void(const std::string&, const std::string&)>& set);
   [[nodiscard]] std::optional<nb::object> Given(const std::string& name) const;
 

@@ -246,10 +246,19 @@ nb::object Frozen(const T& of) {
   return std::apply([](const auto&... member) { return nb::make_tuple(Frozen(member)...); },
                     MembersOf(of));
 }
+// A tuple of nanobind is not asked for its length by its operator[].
+nb::tuple TupleOf(nb::handle from, std::size_t members) {
+  auto state = nb::cast<nb::tuple>(from);
+  if (state.size() != members)
+    throw nb::value_error(
+        "this pickled log is of another version of lipoid; read the log again and pickle it anew");
+  return state;
+}
+
 template <class T>
 requires requires(T& of) { MembersOf(of); }
 void Thaw(nb::handle from, T& of) {
-  const auto state = nb::cast<nb::tuple>(from);
+  const auto state = TupleOf(from, std::tuple_size_v<decltype(MembersOf(of))>);
   std::apply([&, k = std::size_t{0}](auto&... member) mutable { (Thaw(state[k++], member), ...); },
              MembersOf(of));
 }
@@ -293,12 +302,18 @@ std::vector<double> Numbers(nb::handle column) {
   return {span.begin(), span.end()};
 }
 
-PythonLog FromState(const nb::tuple& state) {
+PythonLog FromState(nb::handle from) {
+  const nb::tuple state = TupleOf(from, 7);
   Log log;
   log.record.time_s = Numbers(state[0]);
   log.record.current_A = Numbers(state[1]);
   log.record.voltage_V = Numbers(state[2]);
   log.record.temperature_degC = Numbers(state[3]);
+  const std::size_t rows = log.record.time_s.size();
+  const auto fits = [&](const Column& column) { return column.empty() || column.size() == rows; };
+  if (log.record.current_A.size() != rows || !fits(log.record.voltage_V) ||
+      !fits(log.record.temperature_degC))
+    throw nb::value_error("expected a pickled log whose columns are equally long");
   Thaw(state[4], log.record.file);
   options_internal::FromText("hold", nb::cast<std::string>(state[5]), Names{}, log.record.hold);
   Thaw(state[6], log.report);
@@ -420,9 +435,8 @@ void AddLogs(nb::module_& module) {
       .def("inspect", &Inspect)
       .def("__len__", [](const PythonLog& self) { return self.log->record.size(); })
       .def("__getstate__", &State)
-      .def("__setstate__", [](PythonLog& self, const nb::tuple& state) {
-        new (&self) PythonLog(FromState(state));
-      });
+      .def("__setstate__",
+           [](PythonLog& self, const nb::tuple& from) { new (&self) PythonLog(FromState(from)); });
   module.attr("most_rows_kept") = kMostRowsKept;
   module.def("read_log", &Read, nb::arg("file"), nb::arg("options"));
   module.def("read_log_text",

@@ -109,10 +109,22 @@ TEST(Validation, TheVoltageOfFewerCellsSaysNothingOfAStart) {
   EXPECT_EQ(
       DoubtAboutStart(pack, record, 1.0),
       "has the voltage of 1 cell, not of 2 in series: it does not say where these start, and only its current "
-      "is used");
+      "is used; for a pack of so many say --series 1");
   record.voltage_V = {7.0, 7.0, 6.9, 6.9};
   EXPECT_TRUE(
       DoubtAboutStart(pack, record, 1.0).starts_with("rests at 3.5 V before its first load"));
+}
+
+// Of a single cell on the log of a pack it said to look whether the log of v_oc(A) started full.
+TEST(Validation, TheVoltageOfMoreCellsSaysNothingOfAStart) {
+  Record record;
+  record.time_s = {0, 1, 2, 3};
+  record.current_A = {0, 0, 2, 2};
+  record.voltage_V = {12.5, 12.5, 12.4, 12.4};
+  EXPECT_EQ(
+      DoubtAboutStart(ChargeCounter(), record, 1.0),
+      "has the voltage of 3 cells, not of 1 in series: it does not say where these start, and only its current "
+      "is used; for a pack of so many say --series 3");
 }
 
 // After a discharge this cell rests 30 mV below v_oc(A), and a prediction begins there.

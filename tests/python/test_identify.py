@@ -611,8 +611,25 @@ def test_validate_says_of_which_rows_its_errors_are(
     assert re.search(r"[0-9]+ rows that stand for [0-9]+; the errors are of those", caplog.text)
     lipoid.validate("gifi-600mAh-1", file, predict_temperature=True)
     assert "predict_temperature changes nothing: the cell knows no temperature" in caplog.text
-    with pytest.raises(lipoid.OptionError, match="most_rows: it is for files that are read here"):
+    with pytest.raises(lipoid.OptionError, match="most_rows: it is for what is read here, found a"):
         lipoid.validate("gifi-600mAh-1", lipoid.read_log(file), most_rows=1024)
+
+
+def test_a_data_frame_is_read_as_the_options_say(lab: Path) -> None:
+    """The same rows from a file and from memory are one log; a charge turned round is the other."""
+    frame = pd.read_csv(lab / "pulses.csv")
+    for options in ({"hold": "forward"}, {"hold": "backward"}):
+        of_file = lipoid.validate("gifi-600mAh-1", lab / "pulses.csv", **options)
+        of_frame = lipoid.validate("gifi-600mAh-1", frame, **options)
+        assert of_frame.rmse_V[0] == of_file.rmse_V[0]
+        made = lipoid.Campaign(pulses=frame, reading=options)  # type: ignore[arg-type]
+        assert made.logs()[0].hold == options["hold"]
+    with pytest.raises(lipoid.OptionError, match="start_s: it is for files, found a DataFrame"):
+        lipoid.Campaign(pulses=frame, reading={"start_s": 100.0})
+    with pytest.raises(lipoid.OptionError, match="option reading: hold is for files"):
+        lipoid.Campaign(pulses=lipoid.Log(frame), reading={"hold": "forward"})
+    both = lipoid.Campaign(pulses=lipoid.Log(frame), low_rate=frame, reading={"hold": "forward"})
+    assert {one.hold for one in both.logs()} == {"backward", "forward"}
 
 
 def test_validate_says_what_reading_found_and_refuses_a_gap_under_load(

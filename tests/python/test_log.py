@@ -153,6 +153,18 @@ def test_a_log_survives_pickling(lab: Path) -> None:
     assert (again.sign, again.file) == (log.sign, log.file)
 
 
+def test_a_pickled_log_of_another_version_is_refused(lab: Path) -> None:
+    core = lipoid.read_log(lab / "pulses.csv")._core
+    state = core.__getstate__()
+    for other, says in [
+        (state[:-1], "another version"),
+        ((*state[:-1], state[-1][:-1]), "another version"),
+        ((*state[:1], state[1][:-1], *state[2:]), "equally long"),
+    ]:
+        with pytest.raises(ValueError, match=says):
+            type(core).__new__(type(core)).__setstate__(other)
+
+
 FLIGHTS = ROOT / "fixtures" / "flights"
 
 

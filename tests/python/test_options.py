@@ -136,6 +136,10 @@ def help_of(command: str) -> dict[str, str]:
         ("--columns time_s=1 current_A=2", 'columns={"time_s": 1, "current_A": 2}'),
         ("say --units s,mA,V, or --series 4", 'say units="s,mA,V", or series=4'),
         ("or earlier times (--set altitude-steps.*)", "or earlier times (maneuver_options)"),
+        ("--set pulses.terms=34 would tell", 'pulses={"terms": 34} would tell'),
+        ("a higher one (--set design.step_m=...)", 'a higher one (design={"step_m": ...})'),
+        ("`--method joint` fits all", '`method="joint"` fits all'),
+        ("option -o: x.py would hide", "option output: x.py would hide"),
     ],
 )
 def test_messages_name_options_as_one_types_them_here(of_command: str, of_python: str) -> None:

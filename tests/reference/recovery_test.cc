@@ -42,7 +42,7 @@ std::optional<Lab> Generate(const std::string& name, const std::string& argument
   Lab lab;
   lab.campaign = ReadCampaign(folder + "/lab/campaign.toml");
   lab.logs = LoadCampaign(lab.campaign);
-  lab.truth = ReadCellFile(folder + "/truth/cell.json");
+  lab.truth = LoadCell(folder + "/truth/cell.json");
   return lab;
 }
 

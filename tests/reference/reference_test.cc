@@ -147,7 +147,7 @@ void ExpectAgreement(const std::string& name, const std::vector<Case>& cases) {
   for (std::size_t k = 0; k < cases.size(); ++k) {
     const Case& one = cases[k];
     SCOPED_TRACE(one.label);
-    const Cell cell = ReadCellFile(fmt::format("{}/{}.cell.json", folder, k));
+    const Cell cell = LoadCell(fmt::format("{}/{}.cell.json", folder, k));
     const auto ours = Predict(cell, one.time_s, one.current_A, one.hold, one.initial_soc);
     const auto theirs = ReadColumns(fmt::format("{}/{}.out.csv", folder, k));
     ASSERT_EQ(theirs[2].size(), one.time_s.size());

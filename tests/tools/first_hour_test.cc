@@ -82,8 +82,7 @@ TEST(FirstHour, TheFirstLineOfAFitIsItsVerdict) {
   EXPECT_EQ(summary.at("verdict").at("grade"), "good");
   EXPECT_LT(summary.at("verdict").at("rmse_V").get<double>(), 0.002);
   EXPECT_EQ(summary.at("verdict").at("reasons").size(), 0U);
-  EXPECT_EQ(ReadCellFile(folder + "/cell.json").run->at("metrics").at("verdict").at("grade"),
-            "good");
+  EXPECT_EQ(LoadCell(folder + "/cell.json").run->at("metrics").at("verdict").at("grade"), "good");
 }
 
 // The times of one log in minutes under a header of seconds: its charge is a sixtieth.
@@ -167,7 +166,7 @@ TEST(FirstHour, APackIsDraftedAsOneAndIdentifies) {
   EXPECT_EQ(campaign.logs.size(), 5U);
   const auto run = RunLipoid(folder, {"identify", "pack/campaign.toml", "-o", "pack.json"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  const Cell cell = ReadCellFile(folder + "/pack.json");
+  const Cell cell = LoadCell(folder + "/pack.json");
   EXPECT_EQ(cell.series, 3);
   EXPECT_NEAR(cell.series_resistance_Ohm(0.5), 0.1314, 0.01);
   // One cell of it, by --series.

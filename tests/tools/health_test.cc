@@ -480,6 +480,20 @@ TEST(Health, ACutFlightDoesNotBeginAtTheTemperatureOfTheAir) {
   EXPECT_FALSE(says(all));
 }
 
+// With 50 Ah for 5 this flight fits a hardly used pack nearly as well, and only what was said of the capacity is for it.
+TEST(Health, DoesNotConfirmACapacityThatIsTenTimesTooLarge) {
+  const SyntheticFlight flight =
+      FlyAndLog(NewFlightCell(), 4, {.charge_share = 0.65}, LikePx4(), "flight");
+  HealthOptions options;
+  options.series = 4;
+  options.ambient_degC = 25.0;
+  options.capacity_Ah = 50.0;
+  const FlightHealth health = AssessHealth(NewFlightCell(), {flight.log}, options).flights.at(0);
+  EXPECT_FALSE(health.capacity_Ah.known()) << health.capacity_Ah.value;
+  EXPECT_NE(health.capacity_Ah.unknown_because.find("give the right capacity"), std::string::npos)
+      << health.capacity_Ah.unknown_because;
+}
+
 // From the middle of a flight on, under load: one capacity would call for another, and that for the
 // first.
 TEST(Health, TakesNoLimitOfTheSearchForACapacity) {

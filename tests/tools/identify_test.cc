@@ -52,7 +52,7 @@ TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
                               "--summary",
                               "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Cell cell = ReadCellFile(folder + "/cell.json");
+  const Cell cell = LoadCell(folder + "/cell.json");
   constexpr double kRelative = 1e-6;
   EXPECT_EQ(cell.diffusion->alpha_C, 1353.6);
   EXPECT_NEAR(cell.diffusion->beta_per_sqrt_s / 0.1924, 1.0, kRelative);
@@ -154,7 +154,7 @@ TEST(Identify, JointFindsTheTruthAndSaysHowFarToBelieveIt) {
     }
     EXPECT_TRUE(found) << name;
   }
-  const Cell cell = ReadCellFile(folder + "/cell.json");
+  const Cell cell = LoadCell(folder + "/cell.json");
   EXPECT_EQ(cell.run->at("options").at("method"), "joint");
   EXPECT_NE(run.out.find("constant resistances, 1 branch"), std::string::npos);
   // Every row of every log that took part, and a header.
@@ -174,7 +174,7 @@ TEST(Identify, JointFindsTheTruthAndSaysHowFarToBelieveIt) {
                          "again.json"})
                   .exit_code,
               0);
-    Cell again = ReadCellFile(folder + "/again.json");
+    Cell again = LoadCell(folder + "/again.json");
     again.run = cell.run;
     EXPECT_EQ(CellToJson(again).dump(), CellToJson(cell).dump()) << threads << " threads";
   }
@@ -268,7 +268,7 @@ TEST(Identify, ProfilesParametersOnRequest) {
     EXPECT_LE(text.size(), 60U) << text;
   }
   EXPECT_GE(bars, 20U);
-  EXPECT_EQ(ReadCellFile(folder + "/cell.json").run->at("options").at("profile").size(), 3U);
+  EXPECT_EQ(LoadCell(folder + "/cell.json").run->at("options").at("profile").size(), 3U);
 
   const auto joint = RunLipoid(folder,
                                {"identify",
@@ -529,7 +529,7 @@ TEST(Identify, OfAPoorFitIsToldWhereverTheCellIsLoaded) {
   EXPECT_EQ(poor.err, "");
   EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"logs"}));
   WriteFileAtomically(folder + "/poor.json", poor.out);
-  EXPECT_EQ(ReadCellFile(folder + "/poor.json").diffusion->alpha_C, 1.0);
+  EXPECT_EQ(LoadCell(folder + "/poor.json").diffusion->alpha_C, 1.0);
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{
             "simulate", "poor.json", "--current", "logs/cc_1C.csv", "-o", "s.csv"},
@@ -568,7 +568,7 @@ TEST(Identify, HoldsWhatIsGiven) {
                               "--summary",
                               "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Cell cell = ReadCellFile(folder + "/cell.json");
+  const Cell cell = LoadCell(folder + "/cell.json");
   EXPECT_EQ(cell.diffusion->beta_per_sqrt_s, 0.2);
   EXPECT_EQ(cell.branches.at(0).time_constant_s, 45.0);
   EXPECT_LE(cell.series_resistance_Ohm.resistance_Ohm[0], 0.1);
@@ -601,7 +601,7 @@ TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {
       "7\n.1,3.6\n"
       ".05,3.45\n.02,3.3\n0,3\n");
   ASSERT_EQ(good.exit_code, 0) << good.err;
-  EXPECT_NEAR(ReadCellFile(folder + "/cell.json").diffusion->beta_per_sqrt_s / 0.1924, 1.0, 1e-6);
+  EXPECT_NEAR(LoadCell(folder + "/cell.json").diffusion->beta_per_sqrt_s / 0.1924, 1.0, 1e-6);
   const std::pair<std::string, std::string> bad[] = {
       {"", "curve.csv:1:1: error: expected soc,voltage_V rows or a cell file, found nothing\n"},
       {"a,b\n1,2\n", "curve.csv:1:1: error: expected the header 'soc,voltage_V', found 'a,b'\n"},

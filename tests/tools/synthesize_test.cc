@@ -61,7 +61,7 @@ TEST(Synthesize, TheTruthIsACellFileWithProtocolSeedAndNoise) {
                                         "--set",
                                         "current_noise_A=0.01"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Cell truth = ReadCellFile(folder + "/logs/truth.json");
+  const Cell truth = LoadCell(folder + "/logs/truth.json");
   const Cell shipped = LoadCell("gifi-600mAh-1");
   EXPECT_EQ(truth.diffusion->alpha_C, shipped.diffusion->alpha_C);
   EXPECT_EQ(truth.branches.at(0).resistance_Ohm.resistance_Ohm[0], 0.03);
@@ -78,7 +78,7 @@ TEST(Synthesize, TermsAreAddedByTheirParametersInAnyOrder) {
   const auto run = RunLipoid(
       folder, Arguments({"-o", "logs", "--with", "r_ct=0.02,rho_h=1e-3,i_0=0.5,tau_h=300"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Cell truth = ReadCellFile(folder + "/logs/truth.json");
+  const Cell truth = LoadCell(folder + "/logs/truth.json");
   EXPECT_EQ(truth.self_heating->time_constant_s, 300.0);
   EXPECT_EQ(truth.self_heating->resistance_drop_Ohm_per_A2, 1e-3);
   EXPECT_EQ(truth.charge_transfer->current_A, 0.5);

@@ -46,7 +46,7 @@ TEST(VehicleCommand, WritesAFileThatFlies) {
                                    "--summary",
                                    "s.json"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Vehicle v = ReadVehicleFile(folder + "/mine.toml");
+  const Vehicle v = LoadVehicle(folder + "/mine.toml");
   EXPECT_EQ(v.name, "mine");
   EXPECT_EQ(v.avionics_power_W, 5.0);
   const Json summary = ReadJson(folder, "s.json");
@@ -160,7 +160,7 @@ TEST(VehicleCommand, ShippedVehiclesAreThoseOfTheirCommands) {
                                  v.linear_drag_N_s_per_m};
     };
     const auto shipped = numbers(LoadVehicle(one.name));
-    const auto made = numbers(ReadVehicleFile(folder + "/" + one.name + ".toml"));
+    const auto made = numbers(LoadVehicle(folder + "/" + one.name + ".toml"));
     // Files have five digits of what is fitted.
     for (std::size_t k = 0; k < shipped.size(); ++k)
       EXPECT_NEAR(made[k], shipped[k], 2e-5 * std::abs(shipped[k])) << one.name << " " << k;
@@ -190,7 +190,7 @@ TEST(VehicleCommand, TakesATableOfARacerAndItsCurrentWithoutLoad) {
     words.insert(words.end(), more.begin(), more.end());
     const auto run = RunLipoid(folder, words);
     EXPECT_EQ(run.exit_code, 0) << run.err;
-    const Vehicle v = ReadVehicleFile(folder + "/racer.toml");
+    const Vehicle v = LoadVehicle(folder + "/racer.toml");
     // Thrust over speed squared of the rows: 1.40e-6 to 1.51e-6.
     EXPECT_GT(v.thrust_coefficient_N_s2, 1.39e-6);
     EXPECT_LT(v.thrust_coefficient_N_s2, 1.52e-6);
@@ -202,7 +202,7 @@ TEST(VehicleCommand, TakesATableOfARacerAndItsCurrentWithoutLoad) {
   EXPECT_PRED1(plausible, merit({"--kv-rpm-per-V", "2400"}));
   EXPECT_PRED1(plausible, merit({"--kv-rpm-per-V", "2400", "--no-load-A", "1.2"}));
   // 1.2 A at 10 V.
-  EXPECT_NEAR(ReadVehicleFile(folder + "/racer.toml").friction_N_m_s,
+  EXPECT_NEAR(LoadVehicle(folder + "/racer.toml").friction_N_m_s,
               0.12 * std::pow(30.0 / 3.14159265 / 2400.0, 2),
               1e-10);
   // Such a table does not tell KV from the resistance, and says so.

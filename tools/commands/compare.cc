@@ -9,7 +9,6 @@
 #include "identify/comparison/comparison_cautions.h"
 #include "identify/comparison/comparison_report.h"
 #include "identify/comparison/comparison_run.h"
-#include "identify/stages/staged_report.h"
 #include "model/battery/cell_parameters.h"
 #include "model/core/atomic_file.h"
 #include "model/core/counted.h"

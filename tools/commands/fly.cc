@@ -81,7 +81,9 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
         fmt::format("{:.4f}", flight.peak_altitude_error_m[k]),
         "m of the reference above the altitude");
   }
-  row("charge", fmt::format("{:.2f}", flight.charge_C), "C");
+  row("charge",
+      fmt::format("{:.2f}", flight.charge_C),
+      fmt::format("C, {:.4g} Ah", flight.charge_C / 3600.0));
   row("voltage", fmt::format("{:.4f}", flight.final_voltage_V), "V at the end");
   row("", fmt::format("{:.4f}", flight.minimum_voltage_V), "V at the lowest");
   if (std::isfinite(flight.final_soc)) {

@@ -17,9 +17,9 @@
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
+#include "model/core/foreign_text.h"
 #include "model/core/json_text.h"
 #include "model/core/run_record.h"
-#include "tools/cli/split.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/campaign_options.h"
@@ -39,8 +39,9 @@ std::string IdentificationText(const Campaign& campaign,
                                const Identification& found,
                                bool verbose) {
   std::string text =
-      cli::Wrapped(fmt::format(
-          "{} {}", campaign.name.empty() ? "The cell" : campaign.name, found.Verdict())) +
+      cli::Wrapped(fmt::format("{} {}",
+                               campaign.name.empty() ? "The cell" : ForeignText(campaign.name),
+                               found.Verdict())) +
       "\n\n";
   if (found.flights_alone) {
     text += TrustText(found.trust, "") + "\n";

@@ -282,8 +282,7 @@ void WriteResiduals(const Identification& found,
                     const std::vector<LoadedLog>& logs,
                     const std::string& file) {
   CsvWriter csv(file, "log,time_s,current_A,voltage_V,fitted_V,residual_V,soc");
-  Cell one = found.cell;  // the records are those of one cell
-  one.series = one.parallel = 1;
+  const Cell one = found.cell.AsOne();  // the records are those of one cell
   const std::vector<LogKind> kinds = found.fitted_kinds();
   for (std::size_t n = 0; n < logs.size(); ++n) {
     if (std::find(kinds.begin(), kinds.end(), logs[n].entry.kind) == kinds.end()) continue;

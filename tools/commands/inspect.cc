@@ -19,6 +19,7 @@
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
+#include "tools/cli/shell_word.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/report/log_series.h"
@@ -207,10 +208,16 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
       series > 1 && (!log.report.flight || log.report.flight->cells == 0))
     item("pack", fmt::format("{} cells in series, by the voltage", series));
   if (log.temperature_degC) item("temperature", FromTo(*log.temperature_degC, "degC"));
+  double in_gaps_C = 0.0;
+  for (const Gap& gap : log.report.gaps) in_gaps_C += gap.unknown_C;
   item("charge",
-       fmt::format("{:.4g} Ah out, {:.4g} Ah in",
+       fmt::format("{:.4g} Ah out, {:.4g} Ah in{}",
                    log.charge_out_C / kSecondsPerHour,
-                   log.charge_in_C / kSecondsPerHour));
+                   log.charge_in_C / kSecondsPerHour,
+                   in_gaps_C > 0.0
+                       ? fmt::format(", {:.3g} Ah of it in gaps, had the current been held there",
+                                     in_gaps_C / kSecondsPerHour)
+                       : ""));
   item("dropped", DroppedText(log.report));
   if (log.report.thinned) item("thinned", ThinningText(*log.report.thinned));
   for (const auto& warning : log.report.warnings) item("look at", warning);
@@ -361,7 +368,7 @@ void WriteDraft(cli::CommandLine& line,
                  missing.empty()
                      ? ""
                      : fmt::format(" and give {}, which no log shows", fmt::join(missing, " and ")),
-                 campaign_file);
+                 cli::ShellWord(campaign_file));
   } catch (const OptionError& missing) {
     line.Message("These logs are not enough to identify the cell: {}", missing.what());
   }

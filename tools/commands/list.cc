@@ -32,6 +32,7 @@ Json ListCells(cli::CommandLine& line) {
                         {"capacity / Ah"},
                         {"cut-off / V"},
                         {"alpha / C"},
+                        {"/ Ah"},
                         {"beta / s^-1/2"},
                         {"r_s / Ohm"},
                         {"v_oc(A)", Align::kLeft}});
@@ -43,6 +44,7 @@ Json ListCells(cli::CommandLine& line) {
                fmt::format("{}", cell.capacity_Ah),
                fmt::format("{}", cell.cutoff_V),
                fmt::format("{}", cell.alpha_C()),
+               fmt::format("{:.4g}", cell.alpha_C() / 3600.0),
                cell.diffusion ? Significant(beta) : "none",
                Significant(cell.series_resistance_Ohm(1.0)),
                cell.open_circuit_voltage_assumed ? "assumed, a typical curve" : "measured"});

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/trust/plan_grid.h"
-#include "identify/trust/profile.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/loaded_cell.h"

@@ -92,7 +92,9 @@ void PrintLive(cli::CommandLine& line,
   if (cpu_s > 0.0)
     row("", fmt::format("{:.1f}", simulated_s / cpu_s), "times real time by lipoid's work");
   const LiveFlight& last = flights.back();
-  row("charge", fmt::format("{:.2f}", last.report.charge_C), "C");
+  row("charge",
+      fmt::format("{:.2f}", last.report.charge_C),
+      fmt::format("C, {:.4g} Ah", last.report.charge_C / 3600.0));
   row("voltage", fmt::format("{:.4f}", last.last.battery_V), "V at the end");
   row("", fmt::format("{:.4f}", last.report.minimum_voltage_V), "V at the lowest");
   row("soc", fmt::format("{:.4f}", last.last.soc), "at the end");

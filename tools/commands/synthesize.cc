@@ -13,6 +13,7 @@
 #include "model/core/errors.h"
 #include "tools/cli/assignments.h"
 #include "tools/cli/foreign_files.h"
+#include "tools/cli/shell_word.h"
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
 #include "tools/commands/loaded_cell.h"
@@ -93,7 +94,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   }
   line.summary()["files"] = std::move(rows);
   line.Message("Next: lipoid identify {} -o cell.json",
-               (std::filesystem::path(folder) / "campaign.toml").string());
+               cli::ShellWord((std::filesystem::path(folder) / "campaign.toml").string()));
   return cli::ExitCode::kDone;
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "model/battery/arrhenius.h"
 #include "model/core/options.h"
 #include "tools/cli/text_table.h"
 

@@ -11,6 +11,7 @@
 #include "identify/stages/staged_report.h"
 #include "identify/validation.h"
 #include "model/core/counted.h"
+#include "model/core/foreign_text.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/loaded_cell.h"
@@ -49,8 +50,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   campaign.series = cell.series;
   campaign.parallel = cell.parallel;
   AddLogs(campaign, LogKind::kValidation, files, reading.Resolve());
-  Cell one = cell;  // the records come as those of one cell
-  one.series = one.parallel = 1;
+  const Cell one = cell.AsOne();  // the records come as those of one cell
   Json rows = Json::array();
   cli::TextTable table({{"log", cli::Align::kFile},
                         {"rows"},
@@ -139,8 +139,10 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   line.summary()["edges"] = EdgesToJson(quality.edges);
   line.summary()["logs"] = std::move(rows);
   line.summary()["messages"] = line.messages();
-  const std::string verdict = fmt::format(
-      "{} {}", cell.name, quality.Sentence(files.size() == 1 ? "this log" : "these logs"));
+  const std::string verdict =
+      fmt::format("{} {}",
+                  ForeignText(cell.name),
+                  quality.Sentence(files.size() == 1 ? "this log" : "these logs"));
   line.Print("{}\n\n{}", cli::Wrapped(verdict), table.Text());
   return cli::ExitCode::kDone;
 }

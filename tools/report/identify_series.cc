@@ -73,13 +73,11 @@ std::vector<Series> IdentifySeries(const Cell& found,
                                    const std::vector<LoadedLog>& logs,
                                    std::size_t n,
                                    std::size_t campaigns) {
-  Cell cell = found;  // the records are those of one cell
-  cell.series = cell.parallel = 1;
+  const Cell cell = found.AsOne();  // the records are those of one cell
   Cell other;
   std::vector<PredictedColumn> cells{{"predicted_V", &cell}};
   if (staged != nullptr) {
-    other = *staged;
-    other.series = other.parallel = 1;
+    other = staged->AsOne();
     cells.push_back({"staged_V", &other});
   }
   std::vector<std::size_t> rows;

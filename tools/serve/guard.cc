@@ -8,7 +8,7 @@
 #include <boost/asio/ip/address.hpp>
 #include <optional>
 
-#include "identify/logs/csv/cells.h"
+#include "model/core/text_cells.h"
 
 namespace lipoid {
 

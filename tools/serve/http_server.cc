@@ -15,7 +15,7 @@
 #include <chrono>
 #include <limits>
 
-#include "identify/logs/csv/cells.h"
+#include "model/core/text_cells.h"
 #include "tools/cli/listening.h"
 
 namespace lipoid {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -270,8 +271,8 @@ void JobQueue::Run(int id) {
       changed_();
     });
     message = Beginning(child.message_file);
-  } catch (const std::system_error& error) {
-    message = fmt::format("the job could not be started: {}", error.what());
+  } catch (const std::exception& error) {
+    message = fmt::format("the job could not be run: {}", error.what());
   }
   KeepOutputsAlone(folder);
   if (end.signal != 0 && !end.stopped) {

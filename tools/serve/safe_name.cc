@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "identify/logs/csv/cells.h"
 #include "model/core/foreign_text.h"
+#include "model/core/text_cells.h"
 
 namespace lipoid {
 namespace {

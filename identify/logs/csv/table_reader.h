@@ -22,10 +22,10 @@
 #include <utility>
 #include <vector>
 
-#include "identify/logs/csv/cells.h"
 #include "identify/logs/csv/text_source.h"
 #include "identify/logs/csv/times.h"
 #include "model/core/errors.h"
+#include "model/core/text_cells.h"
 
 namespace lipoid {
 

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <string>
 
-#include "identify/logs/csv/cells.h"
+#include "model/core/text_cells.h"
 
 namespace lipoid {
 namespace {

@@ -10,11 +10,11 @@
 #include <string_view>
 #include <vector>
 
-#include "identify/logs/csv/cells.h"
 #include "identify/logs/csv/text_source.h"
 #include "identify/logs/formats/header.h"
 #include "identify/logs/formats/layout.h"
 #include "identify/logs/log.h"
+#include "model/core/text_cells.h"
 
 namespace lipoid {
 

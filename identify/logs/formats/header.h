@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
-#include "identify/logs/csv/cells.h"
 #include "identify/logs/formats/layout.h"
+#include "model/core/text_cells.h"
 
 namespace lipoid {
 

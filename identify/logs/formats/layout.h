@@ -10,10 +10,10 @@
 #include <span>
 #include <string_view>
 
-#include "identify/logs/csv/cells.h"
 #include "identify/logs/csv/times.h"
 #include "identify/logs/formats/quantity.h"
 #include "model/battery/record_stepper.h"
+#include "model/core/text_cells.h"
 
 namespace lipoid {
 

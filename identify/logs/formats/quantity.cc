@@ -1,7 +1,7 @@
 #include "identify/logs/formats/quantity.h"
 
-#include "identify/logs/csv/cells.h"
 #include "identify/logs/formats/header.h"
+#include "model/core/text_cells.h"
 
 namespace lipoid {
 namespace {

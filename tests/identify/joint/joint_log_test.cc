@@ -48,6 +48,26 @@ TEST(JointLog, RowsWeighLessWhereTheCurveIsSteep) {
   EXPECT_NEAR(log.weight[log.size() - 2] / log.weight[1], 1.0 / 17.0, 1e-12);
 }
 
+// One that has no rows to fit is no log of the fit either, nor takes the temperature of another.
+TEST(JointLog, TemperaturesGoToTheLogsThatTheyAreOf) {
+  auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 2.0);
+  for (std::size_t l = 0; l < logs.size(); ++l)
+    logs[l].entry.ambient_degC = 10.0 * static_cast<double>(l);
+  Record& one_row = logs[1].log.record;
+  for (auto* column : {&one_row.time_s, &one_row.current_A, &one_row.voltage_V})
+    *column = Column({1.0});
+  const JointLogs joint = MakeJointLogs(logs, 1350.0, Flat(), {});
+  ASSERT_EQ(joint.logs.size(), logs.size() - 1);
+  for (LoadedLog& log : logs) *log.entry.ambient_degC += 1.0;
+  const JointLogs warmer = AtTemperaturesOf(logs, joint);
+  for (std::size_t l = 0; l < joint.logs.size(); ++l) {
+    ASSERT_EQ(warmer.logs[l].temperature_K.size(), joint.logs[l].size());
+    EXPECT_NEAR(warmer.logs[l].temperature_K[0], joint.logs[l].temperature_K[0] + 1.0, 1e-9) << l;
+    // One length and one temperature: what depends on both is as little as what depends on one.
+    EXPECT_EQ(warmer.logs[l].warm_steps.length_s.size(), joint.logs[l].steps.length_s.size());
+  }
+}
+
 TEST(JointLog, ALongLogInFewPointsKeepsItsChargeAndItsRows) {
   const Cell cell = LoadCell("gifi-600mAh-1");
   const auto logs = test::SyntheticLogs(cell, 0.1);

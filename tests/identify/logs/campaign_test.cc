@@ -193,11 +193,11 @@ TEST(CampaignRefuses, UnknownKeysAndListsTheKnownOnes) {
           "[cell]\ncutof_V = 3.0\n[[log]]\nkind = 'pulses'\nfile = 'a.csv'\n  fiel = 1\n[lab]\n"),
       "lab/c.toml:2:1: error: expected one of the keys name, capacity_Ah, cutoff_V, series, "
       "parallel, ambient_degC, age, found "
-      "'cutof_V'\n"
+      "'cutof_V'; is it 'cutoff_V'?\n"
       "lab/c.toml:6:3: error: expected one of the keys kind, file, hold, columns, units, "
       "current_sign, steps, "
       "cycles, start_s, end_s, battery, initial_soc, lead_resistance_Ohm, weight, ambient_degC, "
-      "initial_degC, found 'fiel'\n"
+      "initial_degC, found 'fiel'; is it 'file'?\n"
       "lab/c.toml:7:2: error: expected one of the keys cell, log, found 'lab'");
 }
 

@@ -68,7 +68,8 @@ TEST(LoadCampaign, TakesTheCourseOfAThermometerThatWavers) {
     const auto logs = LoadCampaign(ReadCampaign(folder + "/c.toml"));
     const auto& warnings = logs[0].log.report.warnings;
     const bool said = std::any_of(warnings.begin(), warnings.end(), [](const std::string& one) {
-      return one.find("degC from row to row, and the course of the rows around each is taken") != std::string::npos;
+      return one.find("degC from row to row, and the course of the rows around each is taken") !=
+             std::string::npos;
     });
     EXPECT_EQ(said, noise_K > 0.02);
     const auto& shown = logs[0].log.record.temperature_degC;
@@ -216,7 +217,7 @@ TEST(LoadCampaign, ACapacityInOtherUnitsIsNamed) {
   };
   EXPECT_EQ(complaint("2000", "constant-current"),
             folder +
-                "/c.toml:1:1: error: capacity_Ah: expected logs that move the charge of a cell "
+                "/c.toml:2:15: error: capacity_Ah: expected logs that move the charge of a cell "
                 "of 2000 Ah, found 2 Ah at most; is the capacity in mAh, or are times in "
                 "minutes or currents in another unit than their headers say? A discharge that was "
                 "stopped early is of kind \"validation\"");
@@ -245,7 +246,7 @@ TEST(LoadCampaign, WhatNoLogOfTheCellCanBeIsNamed) {
   EXPECT_EQ(
       complaint("cutoff_V = 4.5", "file = 'a.csv'"),
       folder +
-          "/c.toml:1:1: error: cutoff_V: expected a voltage that a discharge ends at, found 4.5 V, "
+          "/c.toml:3:12: error: cutoff_V: expected a voltage that a discharge ends at, found 4.5 V, "
           "and no log of this cell is above 4.2 V; the cut-off is that of one cell");
   const std::string charge = "current_sign = 'discharge-positive'\nfile = 'b.csv'";
   EXPECT_EQ(complaint("", charge + "\ninitial_soc = 0.2"), "no error");

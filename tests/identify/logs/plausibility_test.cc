@@ -190,6 +190,34 @@ TEST(Plausibility, SecondsOfAClockInMinutesAreSeen) {
   EXPECT_EQ(DoubtAboutTime(record), "");
 }
 
+TEST(Plausibility, ACurrentThatIsReadARowLateIsSaid) {
+  std::vector<test::CurrentStep> steps;
+  for (int k = 0; k < 6; ++k) {
+    steps.push_back({20.0, 0.0});
+    steps.push_back({20.0, 2.0});
+  }
+  Record record = test::RecordOfSteps(steps);
+  test::AddWhiteNoise(record, 1e-3, 1);
+  for (std::size_t k = record.size() - 1; k > 0; --k) record.current_A[k] = record.current_A[k - 1];
+  EXPECT_EQ(
+      DoubtAboutLag(record),
+      "at 11 of 11 steps of the current the voltage has moved one row before: if the logger reads the current "
+      "a row late, shift one of the two columns by a row; as it stands, rows without a current show the "
+      "voltage under load");
+}
+
+TEST(Plausibility, ACellThatIsHotBeforeATestMayBeInFahrenheit) {
+  Record record = test::RecordOfSteps({{20.0, 0.0}, {20.0, 2.0}});
+  EXPECT_EQ(DoubtAboutHotStart(record), "");
+  record.temperature_degC = Column(record.size(), 59.0);
+  EXPECT_EQ(DoubtAboutHotStart(record), "");
+  record.temperature_degC = Column(record.size(), 77.0);
+  EXPECT_EQ(
+      DoubtAboutHotStart(record),
+      "the cell is at 77 degC in the first row: if these are degrees Fahrenheit (25 degC), say degF in the "
+      "header");
+}
+
 TEST(Plausibility, AVoltageThatIsReadARowLateIsSaid) {
   std::vector<test::CurrentStep> steps;
   for (int k = 0; k < 6; ++k) {

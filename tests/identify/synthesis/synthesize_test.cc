@@ -154,7 +154,7 @@ TEST(Synthesize, WithoutNoiseTheTruthPredictsTheVerySameVoltages) {
   for (const Cell& cell : {DroneCell(), RichCell()}) {
     for (const Hold hold : {Hold::kBackward, Hold::kForward}) {
       const auto folder = SynthesizeInto("same", cell, {.sampling_s = 0.1, .hold = hold});
-      const Cell truth = ReadCellFile(folder + "/truth.json");
+      const Cell truth = LoadCell(folder + "/truth.json");
       for (const char* file : {"cc_3C.csv", "low_rate.csv", "pulses.csv"}) {
         auto log = test::ReadPlainCsv(folder + "/" + file);
         log.hold = hold;

@@ -55,6 +55,18 @@ TEST(TrustSentence, AsksForFasterSamplingWhereABranchHidesInTheEdge) {
       "from r_s; faster sampling at the edges of the pulses would tell them apart");
 }
 
+TEST(TrustSentence, SaysWhatTheStructureLeavesOpen) {
+  auto r = Quantity("r_1", 0.05, Verdict::kWeak);
+  r.open_by_model = true;
+  r.relative_standard_error = 0.1;
+  r.standard_error = 0.005;
+  r.model_standard_error = 0.004;
+  EXPECT_EQ(SentenceOf({Quantity("beta", 0.2, kGood), r, Quantity("tau_1", 30.0, kGood)}),
+            "the noise of these logs leaves r_1 open to 6 %, other structures of the cell that "
+            "predict them nearly as well, or what was held, to 10 % (one standard error); give the "
+            "structure if you know it, or add logs at other currents and with other rests");
+}
+
 TEST(TrustSentence, SaysThatABranchWasNotFound) {
   auto tau = Quantity("tau_1", 2.4e-4, Verdict::kWeak);
   tau.insensitive = true;

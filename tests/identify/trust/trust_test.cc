@@ -478,6 +478,22 @@ TEST(Trust, NamesThePartnersOfWhatIsOnlyKnownTogether) {
   EXPECT_NE(report.sentence.find("cannot be told apart"), std::string::npos) << report.sentence;
 }
 
+// Structures that fit as well put r_1 15 % off, and r_s the other way: to hold r_s would lower the
+// noise of r_1 and nothing of that.
+TEST(Trust, WhatTheChoiceOfTheModelLeavesOpenHasNoPartners) {
+  const PulseDesign pulses;
+  const Fit fit = FitNoise(pulses.sensitivity, Noise(pulses.sensitivity.rows(), 1e-4, 0.0, 1.0, 3));
+  auto quantities = Parameters(kNames, pulses.truth);
+  EXPECT_EQ(Assess(fit.rows, quantities).quantities[2].verdict, Verdict::kIdentified);
+  quantities[1].added_spread = VectorXd::Constant(1, -0.15 * 0.03);
+  quantities[2].added_spread = VectorXd::Constant(1, 0.15 * 0.03);
+  const auto report = Assess(fit.rows, quantities);
+  EXPECT_EQ(report.quantities[2].verdict, Verdict::kWeak);
+  EXPECT_TRUE(report.quantities[2].open_by_model);
+  EXPECT_TRUE(report.quantities[2].with.empty());
+  EXPECT_NE(report.sentence.find("leaves r_s and r_1 open"), std::string::npos) << report.sentence;
+}
+
 // Means of ten rows carry what the rows carried, where nothing happens within the ten.
 TEST(Trust, MeansOfRowsCarryWhatTheRowsCarried) {
   constexpr Index kRows = 10000;

@@ -195,7 +195,7 @@ TEST(CellFile, RoundTripKeepsEveryBit) {
         {.resistance_Ohm = 0.1, .time_constant_s = uniform(engine), .capacitance_F = {}});
     cell.run = std::make_shared<const Json>(Json{{"seed", trial}, {"x", 0.1}});
     WriteCellFile(cell, file);
-    const Cell again = ReadCellFile(file);
+    const Cell again = LoadCell(file);
     EXPECT_EQ(CellToJson(again), CellToJson(cell)) << trial;
     for (int k = -20; k <= 120; ++k) {
       const double a = 0.01 * k;
@@ -432,7 +432,7 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "39:6: error: /run2: expected one of the keys schema, name, series, parallel, capacity_Ah, "
        "cutoff_V, "
        "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, self_heating, "
-       "charge_transfer, temperature, reference_degC, hysteresis, run, uncertainty, found 'run2'"},
+       "charge_transfer, temperature, reference_degC, hysteresis, run, uncertainty, found 'run2'; is it 'run'?"},
       {"{\n    \"seed\": 7\n  }",
        "[]",
        "37:10: error: /run: expected an object, found a list of 0"}};
@@ -504,7 +504,7 @@ TEST(CellFile, UncertaintyIsReadAndWrittenBack) {
   EXPECT_EQ(CellToJson(ParseCell(json.dump(), "x.json")).dump(2), json.dump(2));
   const std::string file = test::FreshFolder("cell_uncertainty") + "/cell.json";
   WriteCellFile(cell, file);
-  EXPECT_EQ(CellToJson(ReadCellFile(file)), CellToJson(cell));
+  EXPECT_EQ(CellToJson(LoadCell(file)), CellToJson(cell));
   Cell wrong = cell;
   wrong.uncertainty->covariance[0][0] = std::nan("");
   EXPECT_THROW(WriteCellFile(wrong, file), PreconditionError);

@@ -260,6 +260,13 @@ TEST(CellParameters, WhatCannotBeIsRefused) {
             "'delta' is no parameter of this cell; it has alpha, beta, r_s, r_1, c_1, tau_1");
 }
 
+TEST(CellParameters, AQuantityOfAReportHasItsStateOfChargeInBrackets) {
+  EXPECT_EQ(SplitQuantity("r_total(0.5)").name, "r_total");
+  EXPECT_EQ(SplitQuantity("r_total(0.5)").soc, 0.5);
+  EXPECT_EQ(SplitQuantity("tau_1").name, "tau_1");
+  EXPECT_EQ(SplitQuantity("tau_1").soc, std::nullopt);
+}
+
 TEST(CellParameters, SeveralMakeAWholeCell) {
   Cell cell = LoadCell("gifi-600mAh-1");
   SetCellParameters(cell, {{"r_1", 0.03}, {"tau_1", 45.0}, {"r_2", 0.01}, {"c_2", 100.0}});

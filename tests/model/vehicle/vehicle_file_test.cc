@@ -107,7 +107,7 @@ TEST(VehicleFile, EveryMistakeIsNamedAtOnce) {
             "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
             "nominal_voltage_V, series_cells, pwm_range, esc_resistance_Ohm, esc_switching_time_s, "
             "esc_switching_frequency_Hz, esc_rectification, esc_diode_V, avionics_power_W, "
-            "linear_drag_N_s_per_m, found 'mas_kg'\n"
+            "linear_drag_N_s_per_m, found 'mas_kg'; is it 'mass_kg'?\n"
             "v.toml:16:11: error: mass_kg: expected a text in quotes, found 1");
 }
 
@@ -224,7 +224,7 @@ TEST(VehicleFile, RefusesARangeOfThePwmThatIsNoRangeOfIntegers) {
 TEST(VehicleFile, ReadsFilesByNameAndShippedOnesByTheirs) {
   const std::string file = test::WriteText("mine.toml", kText);
   EXPECT_EQ(LoadVehicle(file).name, "test");
-  EXPECT_EQ(ReadVehicleFile(file).mass_kg, 0.5);
+  EXPECT_EQ(LoadVehicle(file).mass_kg, 0.5);
   EXPECT_EQ(ShippedVehicleNames(),
             (std::vector<std::string>{"camera-10in",
                                       "f450",
@@ -281,7 +281,7 @@ TEST(VehicleFile, ShippedVehiclesSayWhereEveryNumberIsFrom) {
   for (const auto& name : ShippedVehicleNames()) {
     SCOPED_TRACE(name);
     const std::string file = test::SourcePath("fixtures/vehicles/" + name + ".toml");
-    EXPECT_EQ(ReadVehicleFile(file).torque_coefficient_N_m_s2,
+    EXPECT_EQ(LoadVehicle(file).torque_coefficient_N_m_s2,
               LoadVehicle(name).torque_coefficient_N_m_s2);
     const toml::table document = toml::parse_file(file);
     const toml::table& source = *document["source"].as_table();

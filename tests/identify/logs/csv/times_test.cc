@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "identify/logs/csv/cells.h"
 #include "identify/logs/log.h"
+#include "model/core/text_cells.h"
 #include "tests/support/throws.h"
 
 namespace lipoid {

@@ -1,4 +1,4 @@
-#include "identify/logs/csv/cells.h"
+#include "model/core/text_cells.h"
 
 #include <fast_float/fast_float.h>
 

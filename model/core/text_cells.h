@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// What stands in one cell of a delimited text file: a number, a quoted text; times.h has the others.
+/// The cells of a line of a delimited text file, and what stands in one: a number, a quoted text.
 /// No locale; anything that is not wholly what it should be is refused.
 /// Tests: tests/identify/logs/csv/table_reader_test.cc.
 
