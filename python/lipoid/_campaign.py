@@ -29,12 +29,13 @@ KINDS = ("constant_current", "low_rate", "low_rate_charge", "pulses", "flight", 
 _OF_ONE = ("initial_soc", "weight", "ambient_degC", "initial_degC")
 
 
-def _logs(kind: str, given: Any, reading: dict[str, Any]) -> list[tuple[Any, dict[str, Any]]]:
+def _logs(
+    kind: str, several: list[Any], reading: dict[str, Any]
+) -> list[tuple[Any, dict[str, Any]]]:
     """Make logs of C++ and paths of what is given for one kind, with what is said of each."""
     from lipoid import readers
 
     logs: list[tuple[Any, dict[str, Any]]] = []
-    several = listed(given)
     for k, one in enumerate(several):
         name = kind if len(several) == 1 else f"{kind}[{k}]"
         said: dict[str, Any] = {}
@@ -97,10 +98,12 @@ class Campaign:
         how: dict[str, Any] = dict(reading or {})
         _core.check_reading(how)
         given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
-        taken = [one for kind in KINDS for one in listed(given.get(kind, ()))]
+        taken: list[Any] = []
         for kind in KINDS:
             if kind in given:
-                given[kind] = _logs(kind, given[kind], how)
+                several = listed(given[kind])
+                taken += several
+                given[kind] = _logs(kind, several, how)
         if how and taken and all(isinstance(one, Log) for one in taken):
             raise OptionError(
                 f"option reading: {next(iter(how))} is for files and data frames, and every log is "

@@ -432,7 +432,7 @@ def of_table(reading: Mapping[str, Any], table: Any) -> Mapping[str, Any]:
     if files_only := Log._unknown(reading):
         raise OptionError(
             f"option {files_only[0]}: it is for files, found a {type(table).__name__}, whose "
-            "columns have names and units of a log and whose rows are all taken; change it before"
+            "columns have the names and units of a log; change it before"
         )
     return reading
 

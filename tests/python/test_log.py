@@ -154,15 +154,16 @@ def test_a_log_survives_pickling(lab: Path) -> None:
 
 
 def test_a_pickled_log_of_another_version_is_refused(lab: Path) -> None:
-    core = lipoid.read_log(lab / "pulses.csv")._core
+    core: Any = lipoid.read_log(lab / "pulses.csv")._core
     state = core.__getstate__()
+    kind: Any = type(core)
     for other, says in [
         (state[:-1], "another version"),
         ((*state[:-1], state[-1][:-1]), "another version"),
         ((*state[:1], state[1][:-1], *state[2:]), "equally long"),
     ]:
         with pytest.raises(ValueError, match=says):
-            type(core).__new__(type(core)).__setstate__(other)
+            kind.__new__(kind).__setstate__(other)
 
 
 FLIGHTS = ROOT / "fixtures" / "flights"
