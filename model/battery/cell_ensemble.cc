@@ -58,8 +58,8 @@ std::string DoubtAboutMoved(std::size_t moved, std::size_t cells) {
   if (2 * moved <= cells) return "";
   return fmt::format(
       "{} of {} cells were drawn with what no cell has (a negative resistance, beta above 1, v_oc "
-      "that falls as charge comes in) and moved to the nearest that one may have: the interval lies "
-      "on one side of the estimate, and may leave it out",
+      "that falls as charge comes in) and moved to the nearest that one may have: the interval of "
+      "what hangs on these lies on one side of the estimate, and may leave it out",
       moved,
       cells);
 }
