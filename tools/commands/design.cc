@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "identify/gains/gain_design.h"
@@ -142,13 +143,11 @@ std::string AtBoundText(const std::vector<GainBound>& at_bound, std::string_view
   return fmt::format("{}", fmt::join(sentences, "; "));
 }
 
-}  // namespace
-
-cli::ExitCode DesignCommand(cli::CommandLine& line) {
-  std::string loop_name;
-  std::string vehicle_name = "mambo-thesis";
-  std::string start_name;
-  std::string optimizer_name = "particle-swarm";
+struct Asked {
+  std::string loop;
+  std::string vehicle = "mambo-thesis";
+  std::string start;
+  std::string optimizer = "particle-swarm";
   std::string range;
   std::string weights;
   std::string output;
@@ -156,68 +155,77 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   Check check = Check::kAuto;
   GainDesign design;
   OptimizerSettings settings;
+
+  [[nodiscard]] bool altitude() const { return design.loop == Loop::kAltitude; }
+  [[nodiscard]] const ErrorGains& OfLoop(const Gains& gains) const {
+    return altitude() ? gains.altitude : gains.attitude;
+  }
+};
+
+bool Ask(cli::CommandLine& line, Asked& asked) {
   line.Describe(
       "Finds the error controller's gains of the altitude or the attitude loop: the least squared "
       "error over a maneuver at full voltage (6.2), (6.4), or with --aware summed over the "
       "voltages of a discharge (6.3), (6.5). Motor lag and saturation are included.",
       "lipoid design altitude --aware -o gains.json");
   line.Example("lipoid design attitude --aware --optimizer levenberg-marquardt");
-  line.Argument("LOOP", loop_name, "altitude, or attitude");
-  line.Flag("aware", aware, "minimize the error over all xi, instead of at xi = 1 alone");
+  line.Argument("LOOP", asked.loop, "altitude, or attitude");
+  line.Flag("aware", asked.aware, "minimize the error over all xi, instead of at xi = 1 alone");
   line.Text("xi",
-            range,
+            asked.range,
             "RANGE",
             "voltages over the nominal one, FIRST:STEP:LAST (default 0.8:0.01:1 with --aware, 1 "
             "without)");
-  line.Text("weights", weights, "W,W,...", "weight of each xi in the cost (default 1)");
+  line.Text("weights", asked.weights, "W,W,...", "weight of each xi in the cost (default 1)");
   line.Input(
-      "vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
+      "vehicle", asked.vehicle, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
   line.Input(
       "start",
-      start_name,
+      asked.start,
       "GAINS",
       "where the search starts, and the gains of the other loops: unaware, aware, placed, or a gains "
       "file (default for a Mambo aware with --aware and unaware without, for any other vehicle "
       "placed)");
   line.Text("controller",
-            design.controller.law,
+            asked.design.controller.law,
             "NAME",
             "inversion, or another of `lipoid list controllers`; lqr: the weights of its regulator "
             "are searched, and its gains follow");
-  line.Text("optimizer", optimizer_name, "NAME", "any of `lipoid list optimizers`");
+  line.Text("optimizer", asked.optimizer, "NAME", "any of `lipoid list optimizers`");
   line.Option(
       "check",
-      check,
+      asked.check,
       Names(),
       "state the gap of the cost to a run ten times longer, which may take minutes; auto: only "
       "where it takes less than a minute");
-  line.OutputOption("output,o", output, "JSON", "gains file for `lipoid fly --gains`");
-  line.Group("design", design.options);
-  line.Group("controller", design.controller);
+  line.OutputOption("output,o", asked.output, "JSON", "gains file for `lipoid fly --gains`");
+  line.Group("design", asked.design.options);
+  line.Group("controller", asked.design.controller);
   for (const OptimizerEntry& entry : Optimizers()) {
     line.Group(entry.name, entry.options(), [&](std::string_view name, std::string_view text) {
-      entry.set(settings, name, text);
+      entry.set(asked.settings, name, text);
     });
   }
   line.ReportOption();
-  if (!line.Parse()) return cli::ExitCode::kDone;
+  return line.Parse();
+}
 
-  if (loop_name != "altitude" && loop_name != "attitude") {
-    throw OptionError(UnknownName("loop", loop_name, {"altitude", "attitude"}));
-  }
-  const bool altitude = loop_name == "altitude";
-  const OptimizerEntry& optimizer = FindOptimizer(optimizer_name);
-  design.loop = altitude ? Loop::kAltitude : Loop::kAttitude;
-  design.vehicle = LoadVehicle(vehicle_name);
-  const Gains start =
-      GainsFor(start_name, design.vehicle, aware ? "aware" : "unaware", design.controller.law);
+// Fills in the design; the gains that the search starts from.
+Gains Prepare(Asked& asked, std::uint64_t seed) {
+  GainDesign& design = asked.design;
+  if (asked.loop != "altitude" && asked.loop != "attitude")
+    throw OptionError(UnknownName("loop", asked.loop, {"altitude", "attitude"}));
+  design.loop = asked.loop == "altitude" ? Loop::kAltitude : Loop::kAttitude;
+  design.vehicle = LoadVehicle(asked.vehicle);
+  const Gains start = GainsFor(
+      asked.start, design.vehicle, asked.aware ? "aware" : "unaware", design.controller.law);
   design.altitude_gains = start.altitude;
   design.references = start.references;
-  if (!altitude) design.attitude_decay_per_s = AttitudeDecayFor(design.vehicle);
-  if (range.empty()) range = aware ? "0.8:0.01:1" : "1";
-  design.xi = WeightedXis(ReadRange("xi", range, Range{1e-3, 2.0}), weights);
-  settings.context.seed = line.seed();
-  settings.context.threads = 0;
+  if (!asked.altitude()) design.attitude_decay_per_s = AttitudeDecayFor(design.vehicle);
+  if (asked.range.empty()) asked.range = asked.aware ? "0.8:0.01:1" : "1";
+  design.xi = WeightedXis(ReadRange("xi", asked.range, Range{1e-3, 2.0}), asked.weights);
+  asked.settings.context.seed = seed;
+  asked.settings.context.threads = 0;
 
   const double lowest_xi = LowestHoverXi(design.vehicle);
   for (const auto& [xi, weight] : design.xi) {
@@ -228,18 +236,20 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
         lowest_xi,
         xi));
   }
-  const ErrorGains& from = altitude ? start.altitude : start.attitude;
-  WidenBounds(design, from);
-  const GainProblem problem(design);
-  line.progress().Update(0.0, "designing");
-  const GainDesignResult result = DesignGains(design, from, optimizer, settings);
+  WidenBounds(design, asked.OfLoop(start));
+  return start;
+}
 
+void Summarize(const Asked& asked,
+               const GainDesignResult& result,
+               const ErrorGains& from,
+               Json& summary) {
+  const GainDesign& design = asked.design;
   const FoundGains& answer = result.answer();
-
-  Json& summary = line.summary();
-  summary["loop"] = loop_name;
+  const GainProblem problem(design);
+  summary["loop"] = asked.loop;
   summary["vehicle"] = design.vehicle.name;
-  summary["optimizer"] = optimizer.name;
+  summary["optimizer"] = asked.optimizer;
   summary["xi"] = Json::array();
   for (const auto& [xi, weight] : design.xi) summary["xi"].push_back(xi);
   summary["controller"] = design.controller.law;
@@ -265,9 +275,68 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
                                        {"wall_s", better.wall_s},
                                        {"cost", 2.0 * better.cost}});
   }
+}
+
+// The pole that a loop must have, as the end of a sentence.
+std::string DecayText(const Asked& asked) {
+  if (asked.altitude()) {
+    return fmt::format(" and let its integral follow an emptying battery within {:g} s",
+                       1.0 / kAltitudeDecay_per_s);
+  }
+  if (!(asked.design.attitude_decay_per_s > 0.0)) return "";
+  return fmt::format(
+      " and let it forget an error within {:.2g} s (to 1/e; {:g} times as long as gains "
+      "placed for these motors)",
+      1.0 / asked.design.attitude_decay_per_s,
+      1.0 / kAttitudeDecayOfPlaced);
+}
+
+std::vector<std::string> CautionsAbout(const Asked& asked,
+                                       const FoundGains& answer,
+                                       const std::vector<HoverStability>& hovers) {
+  if (!answer.stable) {
+    return {fmt::format(
+        "the search found no gains within the bounds that keep the {} loop stable with {:g} times its "
+        "gain or its lag{}; "
+        "give higher bounds (--set design.proportional_bound=...) or another start. Nothing is "
+        "written",
+        asked.loop,
+        kStabilityMargin,
+        DecayText(asked))};
+  }
+  std::vector<std::string> cautions;
+  if (answer.constrained) {
+    cautions.push_back(fmt::format(
+        "the gains of the least error would not keep the {} loop stable with {:g} times its gain "
+        "or its lag{}; these have the least error among those that do",
+        asked.loop,
+        kStabilityMargin,
+        DecayText(asked)));
+  }
+  if (std::string text = AtBoundText(answer.at_bound, asked.design.controller.law); !text.empty())
+    cautions.push_back(std::move(text));
+  for (std::string& warning : StabilityWarnings(hovers)) cautions.push_back(std::move(warning));
+  return cautions;
+}
+
+}  // namespace
+
+cli::ExitCode DesignCommand(cli::CommandLine& line) {
+  Asked asked;
+  if (!Ask(line, asked)) return cli::ExitCode::kDone;
+  const Gains start = Prepare(asked, line.seed());
+  const GainDesign& design = asked.design;
+  const ErrorGains& from = asked.OfLoop(start);
+  const OptimizerEntry& optimizer = FindOptimizer(asked.optimizer);
+  line.progress().Update(0.0, "designing");
+  const GainDesignResult result = DesignGains(design, from, optimizer, asked.settings);
+  const FoundGains& answer = result.answer();
+
+  Json& summary = line.summary();
+  Summarize(asked, result, from, summary);
   Gains found = start;
-  found.name = fmt::format("{} {}", loop_name, aware ? "aware" : "unaware");
-  (altitude ? found.altitude : found.attitude) = answer.gains;
+  found.name = fmt::format("{} {}", asked.loop, asked.aware ? "aware" : "unaware");
+  (asked.altitude() ? found.altitude : found.attitude) = answer.gains;
   const auto hovers = HoversOf(design, found);
   summary["stable"] = answer.stable;
   summary["constrained"] = answer.constrained;
@@ -275,7 +344,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   summary["poles"] = PolesToJson(design, start, answer.gains);
   summary["start"]["poles"] = PolesToJson(design, start, from);
 
-  const std::string unit = altitude ? "m² s" : "rad² s";
+  const std::string unit = asked.altitude() ? "m² s" : "rad² s";
   cli::TextTable table({{"", Align::kLeft}, {"K_e"}, {"K_eI"}, {"K_edot"}, {"cost / " + unit}},
                        "Gains of the inner loop, and what they cost.");
   const auto row = [&](std::string name, const ErrorGains& gains, double cost) {
@@ -293,7 +362,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   };
   const double longer_s = 10.0 * result.optimization.wall_s;
   const bool longer_run =
-      check == Check::kAlways || (check == Check::kAuto && longer_s < kPatience_s);
+      asked.check == Check::kAlways || (asked.check == Check::kAuto && longer_s < kPatience_s);
   if (longer_run) {
     if (longer_s > kPatience_s) {
       line.Message("checking with a run ten times longer, about {:.0f} s; --check never skips it",
@@ -301,7 +370,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
     }
     line.progress().Update(0.0, "checking with a run ten times longer");
     const GainDesignResult longer =
-        DesignGains(design, from, optimizer, TenTimesLonger(optimizer, settings));
+        DesignGains(design, from, optimizer, TenTimesLonger(optimizer, asked.settings));
     row("ten times longer", longer.search.gains, longer.search.cost);
     summary["longer_run"] = {{"gains", ToJson(longer.search.gains)},
                              {"cost", longer.search.cost},
@@ -331,53 +400,17 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
                  longer["evaluations"].get<int>(),
                  longer["wall_s"].get<double>(),
                  longer["gap_percent"].get<double>());
-  } else if (check == Check::kAuto) {
+  } else if (asked.check == Check::kAuto) {
     line.Message(
         "not compared with a run ten times longer, about {:.0f} s; --check always does that",
         longer_s);
   }
 
-  std::string decay;
-  if (altitude) {
-    decay = fmt::format(" and let its integral follow an emptying battery within {:g} s",
-                        1.0 / kAltitudeDecay_per_s);
-  } else if (design.attitude_decay_per_s > 0.0) {
-    decay = fmt::format(
-        " and let it forget an error within {:.2g} s (to 1/e; {:g} times as long as gains "
-        "placed for these motors)",
-        1.0 / design.attitude_decay_per_s,
-        1.0 / kAttitudeDecayOfPlaced);
-  }
-  std::vector<std::string> cautions;
-  const auto say_cautions = [&] {
-    for (const std::string& caution : cautions) line.Message("{}", caution);
-    summary["cautions"] = cautions;
-  };
-  if (!answer.stable) {
-    cautions.push_back(fmt::format(
-        "the search found no gains within the bounds that keep the {} loop stable with {:g} times its "
-        "gain or its lag{}; "
-        "give higher bounds (--set design.proportional_bound=...) or another start. Nothing is "
-        "written",
-        loop_name,
-        kStabilityMargin,
-        decay));
-    say_cautions();
-    return cli::ExitCode::kIncomplete;
-  }
-  if (answer.constrained) {
-    cautions.push_back(fmt::format(
-        "the gains of the least error would not keep the {} loop stable with {:g} times its gain "
-        "or its lag{}; these have the least error among those that do",
-        loop_name,
-        kStabilityMargin,
-        decay));
-  }
-  if (std::string text = AtBoundText(answer.at_bound, design.controller.law); !text.empty())
-    cautions.push_back(std::move(text));
-  for (std::string& warning : StabilityWarnings(hovers)) cautions.push_back(std::move(warning));
-  say_cautions();
-  if (!output.empty()) WriteFileAtomically(output, JsonText(GainsToJson(found)));
+  const std::vector<std::string> cautions = CautionsAbout(asked, answer, hovers);
+  for (const std::string& caution : cautions) line.Message("{}", caution);
+  summary["cautions"] = cautions;
+  if (!answer.stable) return cli::ExitCode::kIncomplete;
+  if (!asked.output.empty()) WriteFileAtomically(asked.output, JsonText(GainsToJson(found)));
   return no_answer.empty() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
