@@ -143,7 +143,7 @@ std::string AtBoundText(const std::vector<GainBound>& at_bound, std::string_view
   return fmt::format("{}", fmt::join(sentences, "; "));
 }
 
-struct Asked {
+struct AskedDesign {
   std::string loop;
   std::string vehicle = "mambo-thesis";
   std::string start;
@@ -162,7 +162,7 @@ struct Asked {
   }
 };
 
-bool Ask(cli::CommandLine& line, Asked& asked) {
+bool Ask(cli::CommandLine& line, AskedDesign& asked) {
   line.Describe(
       "Finds the error controller's gains of the altitude or the attitude loop: the least squared "
       "error over a maneuver at full voltage (6.2), (6.4), or with --aware summed over the "
@@ -211,7 +211,7 @@ bool Ask(cli::CommandLine& line, Asked& asked) {
 }
 
 // Fills in the design; the gains that the search starts from.
-Gains Prepare(Asked& asked, std::uint64_t seed) {
+Gains Prepare(AskedDesign& asked, std::uint64_t seed) {
   GainDesign& design = asked.design;
   if (asked.loop != "altitude" && asked.loop != "attitude")
     throw OptionError(UnknownName("loop", asked.loop, {"altitude", "attitude"}));
@@ -240,7 +240,7 @@ Gains Prepare(Asked& asked, std::uint64_t seed) {
   return start;
 }
 
-void Summarize(const Asked& asked,
+void Summarize(const AskedDesign& asked,
                const GainDesignResult& result,
                const ErrorGains& from,
                Json& summary) {
@@ -278,7 +278,7 @@ void Summarize(const Asked& asked,
 }
 
 // The pole that a loop must have, as the end of a sentence.
-std::string DecayText(const Asked& asked) {
+std::string DecayText(const AskedDesign& asked) {
   if (asked.altitude()) {
     return fmt::format(" and let its integral follow an emptying battery within {:g} s",
                        1.0 / kAltitudeDecay_per_s);
@@ -291,7 +291,7 @@ std::string DecayText(const Asked& asked) {
       1.0 / kAttitudeDecayOfPlaced);
 }
 
-std::vector<std::string> CautionsAbout(const Asked& asked,
+std::vector<std::string> CautionsAbout(const AskedDesign& asked,
                                        const FoundGains& answer,
                                        const std::vector<HoverStability>& hovers) {
   if (!answer.stable) {
@@ -322,7 +322,7 @@ std::vector<std::string> CautionsAbout(const Asked& asked,
 }  // namespace
 
 cli::ExitCode DesignCommand(cli::CommandLine& line) {
-  Asked asked;
+  AskedDesign asked;
   if (!Ask(line, asked)) return cli::ExitCode::kDone;
   const Gains start = Prepare(asked, line.seed());
   const GainDesign& design = asked.design;

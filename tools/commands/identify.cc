@@ -20,6 +20,7 @@
 #include "model/core/foreign_text.h"
 #include "model/core/json_text.h"
 #include "model/core/run_record.h"
+#include "tools/cli/shell_word.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/campaign_options.h"
@@ -165,17 +166,19 @@ class Hashing {
   tbb::task_group tasks_;
 };
 
-}  // namespace
-
-cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
+struct AskedIdentify {
   std::vector<std::string> campaign_files;
-  CampaignOptions campaign_options;
+  CampaignOptions campaigns;
   IdentifyRequest request;
   std::string output;
   std::string residuals;
   std::string truth_file;
   bool verbose = false;
 
+  [[nodiscard]] bool batch() const { return campaign_files.size() > 1; }
+};
+
+bool Ask(cli::CommandLine& line, AskedIdentify& asked) {
   line.Describe(
       "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file. The "
       "joint method, the default, is one fit of all logs, with resistances over the state of charge "
@@ -190,25 +193,29 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   line.Example("lipoid identify campaign.toml --method staged -o cell.json");
   line.Example("lipoid identify --flight flight.bin --series 4 --capacity-Ah 5.2 -o cell.json");
   line.Example("lipoid identify cell1.toml cell2.toml cell3.toml -o cells/");
-  line.InputArguments(
-      "CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
-  line.RequiredText("output,o", output, "CELL", "the cell file to write, or a folder for several");
-  campaign_options.AddTo(line);
-  line.Each(request);
+  line.InputArguments("CAMPAIGN",
+                      asked.campaign_files,
+                      "campaign files (TOML); none where logs are given by options",
+                      0);
+  line.RequiredText(
+      "output,o", asked.output, "CELL", "the cell file to write, or a folder for several");
+  asked.campaigns.AddTo(line);
+  line.Each(asked.request);
   line.OutputOption("residuals",
-                    residuals,
+                    asked.residuals,
                     "CSV",
                     "write measured and fitted voltages of the last fit, row by row");
-  line.Input("truth", truth_file, "CELL", "compare with this cell: for logs that were synthesized");
+  line.Input(
+      "truth", asked.truth_file, "CELL", "compare with this cell: for logs that were synthesized");
   line.Flag("verbose",
-            verbose,
+            asked.verbose,
             "print also the structures that were tried, or each stage, and what they found");
   line.ReportOption();
-  request.EachGroup([&](std::string_view name, auto& group) { line.Group(name, group); });
-  if (!line.Parse()) return cli::ExitCode::kDone;
-  const bool joint = request.method == IdentifyMethod::kJoint;
-  CheckSaidOnce(line, request);
-  const IdentifyOptions options = request.Resolve();
+  asked.request.EachGroup([&](std::string_view name, auto& group) { line.Group(name, group); });
+  return line.Parse();
+}
+
+void SayWhatChangesNothing(cli::CommandLine& line, bool joint) {
   if (!joint && line.Sets("joint.")) {
     line.Message(
         "options --set joint.* change nothing with --method staged: leave them out, or take --method "
@@ -229,26 +236,24 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     line.Message(
         "options --set solver.* and discharge_times.* are of the staged run alone, from which the joint fit starts");
   }
-  const bool by_options = campaign_options.ByOptions();
-  const bool batch = campaign_files.size() > 1;
-  std::vector<LoadError> failed;  // of a batch: the others are identified all the same
-  const std::vector<Campaign> campaigns = campaign_options.Campaigns(
-      line, campaign_files, options.given.open_circuit_voltage, batch ? &failed : nullptr);
-  if (line.earlier() != nullptr) {
-    ShowAgain(line, *line.earlier(), campaigns, options);
-    return cli::ExitCode::kDone;
-  }
+}
+
+// The cell file of each campaign, in a folder that is there.
+std::vector<std::string> CellPaths(const AskedIdentify& asked,
+                                   const std::vector<Campaign>& campaigns) {
+  const std::string& output = asked.output;
+  const bool batch = asked.batch();
   if (batch && cli::OutputPath(output) == cli::OutputPath("-"))
     throw OptionError("option -o: several cells are files in a folder; name one in place of -");
   std::error_code none;
   const bool folder = batch || std::filesystem::is_directory(output, none);
-  if (residuals.size() + truth_file.size() > 0 && batch) {
+  if (asked.residuals.size() + asked.truth_file.size() > 0 && batch) {
     throw OptionError("--residuals and --truth go with one campaign at a time");
   }
-  if (folder && by_options)
+  if (folder && asked.campaigns.ByOptions())
     throw OptionError(fmt::format("option -o: '{}' is a folder; name a file", output));
   std::vector<std::string> paths;
-  if (folder && !campaigns.empty() && line.earlier() == nullptr) NewFolder(output).Keep();
+  if (folder && !campaigns.empty()) NewFolder(output).Keep();
   for (const auto& campaign : campaigns) {
     paths.push_back(CellPath(output, campaign, folder));
     if (std::count(paths.begin(), paths.end(), paths.back()) > 1) {
@@ -256,9 +261,30 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
           "two campaigns would write '{}'; name the campaign files differently", paths.back()));
     }
   }
+  return paths;
+}
+
+}  // namespace
+
+cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
+  AskedIdentify asked;
+  if (!Ask(line, asked)) return cli::ExitCode::kDone;
+  CheckSaidOnce(line, asked.request);
+  const IdentifyOptions options = asked.request.Resolve();
+  const bool joint = options.method == IdentifyMethod::kJoint;
+  SayWhatChangesNothing(line, joint);
+  const bool batch = asked.batch();
+  std::vector<LoadError> failed;  // of a batch: the others are identified all the same
+  const std::vector<Campaign> campaigns = asked.campaigns.Campaigns(
+      line, asked.campaign_files, options.given.open_circuit_voltage, batch ? &failed : nullptr);
+  if (line.earlier() != nullptr) {
+    ShowAgain(line, *line.earlier(), campaigns, options);
+    return cli::ExitCode::kDone;
+  }
+  const std::vector<std::string> paths = CellPaths(asked, campaigns);
   line.AddOutputs("-o", paths);
   std::optional<Cell> truth;
-  if (!truth_file.empty()) truth = LoadCell(line, truth_file);
+  if (!asked.truth_file.empty()) truth = LoadCell(line, asked.truth_file);
 
   bool converged = true;
   bool usable = true;
@@ -293,7 +319,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     Json metrics = report;
     if (!campaign.age.empty()) metrics["age"] = campaign.age;
     AddRunRecord(result, options, std::move(metrics), std::move(run));
-    if (!residuals.empty()) WriteResiduals(result, logs, residuals);
+    if (!asked.residuals.empty()) WriteResiduals(result, logs, asked.residuals);
     if (line.earlier() == nullptr) WriteCellFile(result.cell, paths[k]);
     converged = converged && result.converged;
     usable = usable && result.usable();
@@ -313,7 +339,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     cells.push_back(std::move(entry));
     if (batch) cli::TablesForPaper::About(paths[k]);
-    line.Print("{}", IdentificationText(campaign, result, verbose));
+    line.Print("{}", IdentificationText(campaign, result, asked.verbose));
     if (truth) {
       const auto comparison = CompareCells(*truth, result.cell);
       line.Print("\nTruth against estimate, branches by the nearest time constant\n{}",
@@ -322,11 +348,12 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     }
     line.Print("\nCell file: {}\n", paths[k]);
     if (!batch && result.quality.grade != FitGrade::kPoor) {
-      line.Print(
-          "Next: lipoid {}\n",
-          result.flights_alone
-              ? fmt::format("health --cell {} --series {} FLIGHT...", paths[k], campaign.series)
-              : fmt::format("validate {} LOG...", paths[k]));
+      line.Print("Next: lipoid {}\n",
+                 result.flights_alone
+                     ? fmt::format("health --cell {} --series {} FLIGHT...",
+                                   cli::ShellWord(paths[k]),
+                                   campaign.series)
+                     : fmt::format("validate {} LOG...", cli::ShellWord(paths[k])));
     }
     if (k + 1 < campaigns.size()) line.Print("\n");
     mean_errors.push_back(result.mean_error_percent());
@@ -375,7 +402,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   if (!failed.empty()) {
     line.Message("not identified: {} of {} campaigns ({}); the cells of the others are written",
                  failed.size(),
-                 campaign_files.size(),
+                 asked.campaign_files.size(),
                  fmt::join(failed_files, ", "));
     return internal ? cli::ExitCode::kInternal : cli::ExitCode::kBadInput;
   }
