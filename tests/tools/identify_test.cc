@@ -72,6 +72,24 @@ TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
   EXPECT_EQ(summary.at("stages").at("pulses").at("termination"), "converged");
 }
 
+// The name of a cell is text from elsewhere, which must not write the first line; and what comes next can be pasted.
+TEST(Identify, ANameWritesNoLineOfItsOwnAndAPathCanBePasted) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
+  std::string campaign = ReadText(folder + "/logs/campaign.toml");
+  const auto name = campaign.find("name = ");
+  campaign.replace(name, campaign.find('\n', name) - name, R"(name = "A predicts\nB")");
+  WriteFileAtomically(folder + "/logs/campaign.toml", campaign);
+  const auto run = RunLipoid(
+      folder, {"identify", "--method", "staged", "logs/campaign.toml", "-o", "my cell.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out.find(R"(A predicts\nB predicts its own logs)"), 0U) << run.out;
+  EXPECT_NE(run.out.find("Next: lipoid validate 'my cell.json' LOG..."), std::string::npos)
+      << run.out;
+  const auto again = RunLipoid(folder, {"validate", "my cell.json", "logs/pulses.csv"});
+  EXPECT_EQ(again.out.find("A predicts\nB"), std::string::npos) << again.out;
+}
+
 // A charge transfer that is dropped again leaves a second branch behind it, of next to no resistance, which gains a
 // little by what the modes of diffusion leave out. It is none.
 TEST(Identify, JointFindsTheTruthsOneBranchWhereASecondHasNoResistance) {
