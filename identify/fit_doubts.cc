@@ -96,9 +96,9 @@ std::string DoubtAboutTwoCharges(const Identification& found, const std::vector<
       full_C / 3600.0);
 }
 
-// Between any two different values; 0 where that is below `enough`, or there are hardly any.
+// Between any two different values of many rows; 0 where that is below `enough`, or values hardly come again.
 double LeastStep(const Column& column, double enough) {
-  constexpr std::size_t kFewest = 3;
+  constexpr std::size_t kFewest = 10;
   std::set<double> values;
   double least = std::numeric_limits<double>::infinity();
   for (const double value : column) {
@@ -109,7 +109,7 @@ double LeastStep(const Column& column, double enough) {
       least = std::min(least, *next - value);
     if (least < enough) return 0.0;
   }
-  return values.size() < kFewest ? 0.0 : least;
+  return values.size() < kFewest || column.size() < 2 * values.size() ? 0.0 : least;
 }
 
 // Rounding is no noise: it is the same in every run, and slow where the voltage is. Steps of 10 mV leave the intervals

@@ -452,13 +452,8 @@ Identification Identify(const Campaign& campaign,
       found.log_notes.push_back(fmt::format(
           "{}: the staged method does not use a slow charge; --method joint does", log.entry.file));
   }
-  // Where a logger reads the current a row late, what seems at rest is under load.
-  const bool late = std::any_of(logs.begin(), logs.end(), [](const LoadedLog& log) {
-    return !DoubtAboutLag(log.log.record).empty();
-  });
   std::vector<StartDoubt> starts;
   for (const LoadedLog& log : logs) {
-    if (late) break;
     if (log.entry.kind == LogKind::kFlight) continue;  // starts anywhere
     auto doubt = DoubtOfStart(
         one, log.log.record, log.entry.initial_soc, SurroundingsOf(log.log.record, log.entry));
@@ -479,6 +474,11 @@ Identification Identify(const Campaign& campaign,
     }
     starts.push_back(std::move(*doubt));
   }
+  // Where a logger reads the current a row late, what seems at rest is under load.
+  if (!starts.empty() && std::any_of(logs.begin(), logs.end(), [](const LoadedLog& log) {
+        return !DoubtAboutLag(log.log.record).empty();
+      }))
+    starts.clear();
   if (auto doubts = DoubtsAboutStarts(
           std::move(starts), "one wrong start bends v_oc(A) for all, so mend the first one first");
       !doubts.empty())
