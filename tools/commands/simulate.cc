@@ -133,6 +133,62 @@ Series Simulated(const Record& record,
   return series;
 }
 
+Json WayToJson(const Way& way, double initial_soc) {
+  Json told = {{"duration_s", 0.0},
+               {"initial_soc", initial_soc},
+               {"final_soc", nullptr},
+               {"final_voltage_V", nullptr},
+               {"minimum_voltage_V", nullptr},
+               {"cutoff_s", nullptr},
+               {"rows_outside_curve", way.reached.outside()}};
+  if (way.cutoff_s) told["cutoff_s"] = *way.cutoff_s;
+  if (way.rows > 0) {
+    told["duration_s"] = way.last_s - way.first_s;
+    told["final_soc"] = way.soc;
+    told["final_voltage_V"] = way.voltage_V;
+    told["minimum_voltage_V"] = way.lowest_V;
+  }
+  return told;
+}
+
+// Where the rows end before the log does, or below the cut-off.
+void TellAboutEnd(cli::CommandLine& line,
+                  const Cell& cell,
+                  const Way& way,
+                  std::size_t rows_of_log,
+                  bool beyond_cutoff) {
+  const double cutoff_V = cell.series * cell.cutoff_V;
+  const bool whole = !way.cutoff_s;
+  const bool begins_empty =
+      way.rows > 0 && way.lowest_V < cutoff_V - cell.series * kCutoffTolerance_V;
+  if (!whole && begins_empty) {
+    line.Message(
+        "the cell is below its cut-off of {:.4g} V before any current flows: {} of {}, at rest, were written; begin "
+        "with more charge (--initial-soc; --beyond-cutoff writes all)",
+        cutoff_V,
+        way.rows,
+        Counted(rows_of_log, "row"));
+  } else if (!whole) {
+    line.Message(
+        "the cell reaches its cut-off of {:.4g} V at {:.10g} s under {:.4g} A: the {} of {} "
+        "above it, within {:g} mV, were written (--beyond-cutoff writes all)",
+        cutoff_V,
+        std::round(100.0 * *way.cutoff_s) / 100.0,
+        way.last_A,
+        way.rows,
+        Counted(rows_of_log, "row"),
+        1e3 * cell.series * kCutoffTolerance_V);
+  }
+  if (whole && !beyond_cutoff && way.rows > 0 && way.last_A > 0.0 &&
+      way.voltage_V < cutoff_V - cell.series * kCutoffTolerance_V) {
+    line.Message(
+        "the last row, {:.4g} V, lies below the cut-off of {:.4g} V, which the cell reaches within the "
+        "row's time: a current that ends there is written whole",
+        way.voltage_V,
+        cutoff_V);
+  }
+}
+
 }  // namespace
 
 cli::ExitCode SimulateCommand(cli::CommandLine& line) {
@@ -246,54 +302,13 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   const Way& way = walk.way();
   const bool whole = !way.cutoff_s;
 
-  const double cutoff_V = cell.series * cell.cutoff_V;
   Json told = {{"file", current_file},
                {"output", output},
                {"rows", way.rows},
-               {"rows_of_current", rows_of_log},
-               {"duration_s", 0.0},
-               {"initial_soc", initial_soc},
-               {"final_soc", nullptr},
-               {"final_voltage_V", nullptr},
-               {"minimum_voltage_V", nullptr},
-               {"cutoff_s", nullptr},
-               {"rows_outside_curve", way.reached.outside()}};
-  if (way.cutoff_s) told["cutoff_s"] = *way.cutoff_s;
-  if (way.rows > 0) {
-    told["duration_s"] = way.last_s - way.first_s;
-    told["final_soc"] = way.soc;
-    told["final_voltage_V"] = way.voltage_V;
-    told["minimum_voltage_V"] = way.lowest_V;
-  }
+               {"rows_of_current", rows_of_log}};
+  told.update(WayToJson(way, initial_soc));
   line.summary()["logs"] = Json::array({std::move(told)});
-  const bool begins_empty =
-      way.rows > 0 && way.lowest_V < cutoff_V - cell.series * kCutoffTolerance_V;
-  if (!whole && begins_empty) {
-    line.Message(
-        "the cell is below its cut-off of {:.4g} V before any current flows: {} of {}, at rest, were written; begin "
-        "with more charge (--initial-soc; --beyond-cutoff writes all)",
-        cutoff_V,
-        way.rows,
-        Counted(rows_of_log, "row"));
-  } else if (!whole) {
-    line.Message(
-        "the cell reaches its cut-off of {:.4g} V at {:.10g} s under {:.4g} A: the {} of {} "
-        "above it, within {:g} mV, were written (--beyond-cutoff writes all)",
-        cutoff_V,
-        std::round(100.0 * *way.cutoff_s) / 100.0,
-        way.last_A,
-        way.rows,
-        Counted(rows_of_log, "row"),
-        1e3 * cell.series * kCutoffTolerance_V);
-  }
-  if (whole && !beyond_cutoff && way.rows > 0 && way.last_A > 0.0 &&
-      way.voltage_V < cutoff_V - cell.series * kCutoffTolerance_V) {
-    line.Message(
-        "the last row, {:.4g} V, lies below the cut-off of {:.4g} V, which the cell reaches within the "
-        "row's time: a current that ends there is written whole",
-        way.voltage_V,
-        cutoff_V);
-  }
+  TellAboutEnd(line, cell, way, rows_of_log, beyond_cutoff);
   if (outside_band > 0) {
     line.Message("in {} of {} the band leaves out what the cell itself predicts",
                  outside_band,
