@@ -123,6 +123,39 @@ void PrintEnsemble(cli::CommandLine& line,
              CountOf(flights, Outcome::kOffCourse));
 }
 
+// What goes with a cell alone, and what with an ideal source alone.
+void CheckSource(Battery source,
+                 const std::string& cell_name,
+                 const FlyRequest& asked,
+                 const PackRequest& pack,
+                 const StartRequest& start,
+                 const EnsembleOption& ensemble) {
+  if (source == Battery::kIdeal && !cell_name.empty()) {
+    throw OptionError("options --battery ideal and --cell: give one of them");
+  }
+  if (source == Battery::kCell && asked.xi) {
+    throw OptionError(
+        "option --xi is for an ideal source: a cell has its own voltage. Give --battery ideal, or "
+        "leave --xi out");
+  }
+  if (source == Battery::kIdeal && pack.given()) {
+    throw OptionError(
+        "options --series and --parallel are for cells; an ideal source has the nominal voltage of "
+        "the vehicle times --xi");
+  }
+  if (source == Battery::kIdeal && start.given()) {
+    throw OptionError(
+        "options --initial-soc and --initial-voltage-V are for a cell; an ideal source has --xi");
+  }
+  if (source == Battery::kIdeal && ensemble.asked()) {
+    throw OptionError("option --ensemble is for a cell; an ideal source has no uncertainty");
+  }
+  if (source == Battery::kIdeal && asked.setup.ambient_degC) {
+    throw OptionError(
+        "option --ambient-degC is for a cell; an ideal source has the same voltage in the cold");
+  }
+}
+
 }  // namespace
 
 cli::ExitCode FlyCommand(cli::CommandLine& line) {
@@ -207,35 +240,13 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   }
   const Battery source =
       battery.value_or(asked.xi && cell_name.empty() ? Battery::kIdeal : Battery::kCell);
-  if (source == Battery::kIdeal && !cell_name.empty()) {
-    throw OptionError("options --battery ideal and --cell: give one of them");
-  }
-  if (source == Battery::kCell && asked.xi) {
-    throw OptionError(
-        "option --xi is for an ideal source: a cell has its own voltage. Give --battery ideal, or "
-        "leave --xi out");
-  }
-  if (source == Battery::kIdeal && pack.given()) {
-    throw OptionError(
-        "options --series and --parallel are for cells; an ideal source has the nominal voltage of "
-        "the vehicle times --xi");
-  }
-  if (source == Battery::kIdeal && start.given()) {
-    throw OptionError(
-        "options --initial-soc and --initial-voltage-V are for a cell; an ideal source has --xi");
-  }
-  if (source == Battery::kIdeal && ensemble.asked()) {
-    throw OptionError("option --ensemble is for a cell; an ideal source has no uncertainty");
-  }
+  CheckSource(source, cell_name, asked, pack, start, ensemble);
   if (source == Battery::kCell) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
     setup.cell = LoadCell(line, cell_name);
     pack.ApplyTo(*setup.cell);
     if (setup.ambient_degC) setup.cell = KnowingTemperature(line, *setup.cell, cell_name);
     setup.initial_soc = start.Soc(*setup.cell, {.ambient_degC = setup.ambient_degC});
-  } else if (setup.ambient_degC) {
-    throw OptionError(
-        "option --ambient-degC is for a cell; an ideal source has the same voltage in the cold");
   }
   setup.xi = asked.xi.value_or(1.0);
   request.waypoints_file = asked.waypoints.path;
