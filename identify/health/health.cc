@@ -209,6 +209,38 @@ void DoubtTheRest(const ReferenceCell& reference,
   Withdraw("the voltage before the flight is none of such a pack", health);
 }
 
+// After a load a cell recovers: where it rests for a while after the flight it holds what its voltage says and some more.
+// A pack that is said to be much too large would hold far more, and a large resistance hides that.
+void DoubtTheEnd(const ReferenceCell& reference,
+                 const FlightSamples& samples,
+                 FlightHealth& health) {
+  constexpr double kRest_s = 20.0;
+  constexpr double kIdle = 0.03;  // of the largest current
+  constexpr double kMean_s = 2.0;
+  constexpr double kMore = 0.25;  // of the charge: what a cell still recovers after that rest
+  const Record& record = samples.record;
+  if (!health.doubted_because.empty() || !health.soc_end.known()) return;
+  const double end_s = record.time_s.back();
+  double sum_V = 0.0;
+  double rows = 0.0;
+  for (std::size_t k = record.size(); k-- > 0 && end_s - record.time_s[k] <= kRest_s;) {
+    if (std::abs(record.current_A[k]) > kIdle * samples.largest_A) return;
+    if (end_s - record.time_s[k] > kMean_s) continue;
+    sum_V += record.voltage_V[k];
+    rows += 1.0;
+  }
+  const double rest_V = sum_V / rows;
+  const double soc = reference.cell.open_circuit_voltage.SocAtVoltage(rest_V);
+  if (health.soc_end.low <= soc + kMore) return;
+  health.doubted_because = fmt::format(
+      "the pack rests at {:.3g} V a cell after the flight, where the reference has {:.0f} % of its charge, and this fit "
+      "leaves {:.0f} %: give the right capacity (--capacity-Ah), unless the reference is another cell",
+      rest_V,
+      100.0 * std::max(0.0, soc),
+      100.0 * health.soc_end.value);
+  Withdraw("the voltage after the flight is none of such a pack", health);
+}
+
 // A prediction moves as the current makes it, also over a rest and a gap. Where the voltage moves beside it and
 // stays there, another charge was plugged in. Rows that are wrong by themselves, and a landing that the voltage shows
 // late, are outweighed by the seconds around them. A fall must come at once and under one current: a pack that is
@@ -503,6 +535,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.max_error_percent = fit.max_error_percent;
   DoubtTheRest(reference, record, options.series, health.charge_Ah, health);
   DoubtThatItIsOneFlight(samples, fit, health);
+  DoubtTheEnd(reference, samples, health);
   if (auto doubt = DoubtAboutHotStart(record); health.doubted_because.empty() && !doubt.empty()) {
     health.doubted_because = std::move(doubt);
     Withdraw("the temperature of the first row is none of a pack before a flight", health);

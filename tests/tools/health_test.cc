@@ -494,6 +494,30 @@ TEST(Health, DoesNotConfirmACapacityThatIsTenTimesTooLarge) {
       << health.capacity_Ah.unknown_because;
 }
 
+// With 50 Ah for 5 and a resistance that hides how the voltage falls this flight ended at 80 % of the charge; the pack
+// rests for 50 s where the reference has 17 %.
+TEST(Health, APackThatRestsEmptierThanTheFitIsNoneOfThisCapacity) {
+  Cell old = NewFlightCell();
+  old.series_resistance_Ohm = 0.012;
+  old.branches = {{Resistance<double>(0.0045), 60.0, {}}};
+  const FlightPlan plan{.charge_share = 0.7, .rest_after_s = 50.0, .unrest = 0.2};
+  const auto health = [&](const Cell& truth, double capacity_Ah) {
+    HealthOptions options;
+    options.series = 4;
+    options.capacity_Ah = capacity_Ah;
+    const Log log = FlyAndLog(truth, 4, plan, LikePx4(), "flight").log;
+    return AssessHealth(LoadCell("gifi-600mAh-1"), {log}, options).flights.at(0);
+  };
+  const FlightHealth wrong = health(old, 50.0);
+  EXPECT_NE(wrong.doubted_because.find(
+                "a cell after the flight, where the reference has 17 % of its charge"),
+            std::string::npos)
+      << wrong.doubted_because;
+  EXPECT_FALSE(wrong.capacity_Ah.known());
+  EXPECT_FALSE(wrong.soc_end.known());
+  EXPECT_EQ(health(NewFlightCell(), 5.0).doubted_because, "");
+}
+
 // From the middle of a flight on, under load: one capacity would call for another, and that for the
 // first.
 TEST(Health, TakesNoLimitOfTheSearchForACapacity) {

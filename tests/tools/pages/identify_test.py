@@ -49,7 +49,7 @@ class Identify(PageTest):
         for row, one in zip(rows, summary["parameters"]):
             self.assertAlmostEqual(float(row[1]), one["estimate"], delta=2e-4 * abs(one["estimate"]))
         beta = next(row for row in rows if row[0] == "beta")
-        self.assertIn("only with r_1(0.5)", beta)
+        self.assertIn("weak", beta)
         falls = page.run(TABLE, "Fall of the voltage")
         self.assertGreater(len(falls), 2)
         self.assertEqual([float(row[3]) for row in falls], [float(f"{1e3 * one['measured_Ohm']:.3g}") for one in summary["edges"]])
