@@ -147,10 +147,11 @@ TEST(CellEnsemble, NodesThatAreMovedLeaveANumberAsItWasDrawn) {
   Resistance<double>& r_s = cell.series_resistance_Ohm;
   r_s.soc.clear();
   r_s.resistance_Ohm.assign(kNodes, 1e-3);
-  Cell::Uncertainty& uncertainty = cell.uncertainty.emplace();
-  uncertainty.degrees_of_freedom = 1e7;
-  uncertainty.parameters = {"alpha"};
-  uncertainty.covariance.assign(kNodes + 1, std::vector<double>(kNodes + 1, 0.0));
+  Cell::Uncertainty uncertainty{
+      .parameters = {"alpha"},
+      .covariance = std::vector(kNodes + 1, std::vector<double>(kNodes + 1, 0.0)),
+      .degrees_of_freedom = 1e7,
+      .soc_follows_alpha = false};
   uncertainty.covariance[0][0] = error_C * error_C;
   for (std::size_t k = 0; k < kNodes; ++k) {
     r_s.soc.push_back(static_cast<double>(k) / (kNodes - 1));
@@ -159,6 +160,7 @@ TEST(CellEnsemble, NodesThatAreMovedLeaveANumberAsItWasDrawn) {
     uncertainty.covariance[0][k + 1] = uncertainty.covariance[k + 1][0] =
         kCorrelation * 1e-3 * error_C;
   }
+  cell.uncertainty = uncertainty;
   constexpr int kCells = 4000;
   const CellEnsemble ensemble = DrawCells(cell, kCells, 1);
   EXPECT_GT(ensemble.moved, 0.95 * kCells);
