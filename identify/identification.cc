@@ -476,7 +476,7 @@ Identification Identify(const Campaign& campaign,
   }
   // Where a logger reads the current a row late, what seems at rest is under load.
   if (!starts.empty() && std::any_of(logs.begin(), logs.end(), [](const LoadedLog& log) {
-        return !DoubtAboutLag(log.log.record).empty();
+        return ReadsCurrentLate(log.log.record);
       }))
     starts.clear();
   if (auto doubts = DoubtsAboutStarts(

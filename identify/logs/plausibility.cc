@@ -55,6 +55,48 @@ std::string LargerPack(std::string_view option, int cells) {
                     : fmt::format("is `{}` more than {}", option, cells);
 }
 
+// Steps of the current, and at how many of them each of the two columns seems to be read one row late.
+struct LateRows {
+  static constexpr std::size_t kFewest = 5;
+  std::size_t steps = 0;
+  std::size_t voltage = 0;
+  std::size_t current = 0;
+
+  [[nodiscard]] bool AreMost(std::size_t late) const {
+    return steps >= kFewest && 10 * late >= 9 * steps;
+  }
+};
+
+LateRows CountLateRows(const Record& record) {
+  constexpr std::size_t kEnough = 100;
+  constexpr double kStep = 0.2;   // of the range of the current
+  constexpr double kHeld = 0.02;  // as far as it may move in the rows beside the step
+  constexpr double kLate = 0.1;   // of what the next row shows, in the row of the step
+  // Of what the row before shows, in the row of the step and the next: a cell relaxes on.
+  constexpr double kEarly = 0.5;
+  constexpr double kLeast_V = 5e-3;
+  LateRows late;
+  const Column& i = record.current_A;
+  const Column& v = record.voltage_V;
+  if (v.size() < 2 * LateRows::kFewest) return late;
+  const Extent extent = FindExtent(i);
+  const double range_A = extent.most - extent.least;
+  for (std::size_t k = 2; k + 1 < v.size() && late.steps < kEnough; ++k) {
+    if (!(std::abs(i[k] - i[k - 1]) > kStep * range_A)) continue;
+    if (std::abs(i[k + 1] - i[k]) > kHeld * range_A ||
+        std::abs(i[k - 1] - i[k - 2]) > kHeld * range_A)
+      continue;
+    const double at_once_V = std::abs(v[k] - v[k - 1]);
+    const double after_V = std::abs(v[k + 1] - v[k]);
+    const double before_V = std::abs(v[k - 1] - v[k - 2]);
+    if (std::max({at_once_V, after_V, before_V}) < kLeast_V) continue;
+    ++late.steps;
+    if (at_once_V < kLate * after_V) ++late.voltage;
+    if (std::max(at_once_V, after_V) < kEarly * before_V) ++late.current;
+  }
+  return late;
+}
+
 }  // namespace
 
 int CellsInSeries(double highest_V) {
@@ -108,48 +150,25 @@ std::string InFahrenheit(double shown_degC) {
 }
 
 std::string DoubtAboutLag(const Record& record) {
-  constexpr std::size_t kFewest = 5;
-  constexpr std::size_t kEnough = 100;
-  constexpr double kStep = 0.2;   // of the range of the current
-  constexpr double kHeld = 0.02;  // as far as it may move in the rows beside the step
-  constexpr double kLate = 0.1;   // of what the next row shows, in the row of the step
-  constexpr double kEarly =
-      0.5;  // of what the row before shows, in that row and the next: a cell relaxes on
-  constexpr double kLeast_V = 5e-3;
-  const Column& i = record.current_A;
-  const Column& v = record.voltage_V;
-  if (v.size() < 2 * kFewest) return "";
-  const Extent extent = FindExtent(i);
-  const double range_A = extent.most - extent.least;
-  std::size_t steps = 0;
-  std::size_t late = 0;
-  std::size_t early = 0;
-  for (std::size_t k = 2; k + 1 < v.size() && steps < kEnough; ++k) {
-    if (!(std::abs(i[k] - i[k - 1]) > kStep * range_A)) continue;
-    if (std::abs(i[k + 1] - i[k]) > kHeld * range_A ||
-        std::abs(i[k - 1] - i[k - 2]) > kHeld * range_A)
-      continue;
-    const double at_once_V = std::abs(v[k] - v[k - 1]);
-    const double after_V = std::abs(v[k + 1] - v[k]);
-    const double before_V = std::abs(v[k - 1] - v[k - 2]);
-    if (std::max({at_once_V, after_V, before_V}) < kLeast_V) continue;
-    ++steps;
-    if (at_once_V < kLate * after_V) ++late;
-    if (std::max(at_once_V, after_V) < kEarly * before_V) ++early;
-  }
-  if (steps < kFewest || 10 * std::max(late, early) < 9 * steps) return "";
-  if (early > late) {
+  const LateRows late = CountLateRows(record);
+  if (late.current > late.voltage && late.AreMost(late.current)) {
     return fmt::format(
         "at {} of {} steps of the current the voltage has moved one row before: if the logger reads the current a row "
         "late, shift one of the two columns by a row; as it stands, rows without a current show the voltage under load",
-        early,
-        steps);
+        late.current,
+        late.steps);
   }
+  if (!late.AreMost(late.voltage)) return "";
   return fmt::format(
       "at {} of {} steps of the current the voltage moves one row later: if the logger reads it a row late, shift one "
       "of the two columns by a row; as it stands, resistances within one row come out too small",
-      late,
-      steps);
+      late.voltage,
+      late.steps);
+}
+
+bool ReadsCurrentLate(const Record& record) {
+  const LateRows late = CountLateRows(record);
+  return late.current > late.voltage && late.AreMost(late.current);
 }
 
 std::string CheckReadable(const Record& record, const ColumnPositions& positions) {

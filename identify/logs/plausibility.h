@@ -57,8 +57,11 @@ void RefuseWithoutVoltage(const Record& record);
 [[nodiscard]] std::string DoubtAboutTime(const Record& record);
 
 /// What makes the rows of a record doubtful, in one sentence; "" where nothing does: at nine in ten of its steps
-/// of the current, five or more, the voltage moves one row later, as where a logger reads it a row late.
+/// of the current, five or more, the voltage moves one row later, or has moved one row before, as where a logger
+/// reads one of the two a row late.
 [[nodiscard]] std::string DoubtAboutLag(const Record& record);
+/// Whether it is the current that is read late: rows that seem at rest are then under load.
+[[nodiscard]] bool ReadsCurrentLate(const Record& record);
 
 /// What is wrong with temperatures of these times, half a sentence; "" where each of them may be that
 /// of a cell.

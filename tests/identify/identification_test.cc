@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "identify/logs/plausibility.h"
 #include "identify/validation.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
@@ -85,6 +87,23 @@ TEST(Identification, SaysThatOtherLogsAreDescribedFarWorse) {
         EXPECT_NEAR(std::stod(note->substr(begin.size())), 4.76, 0.3);
       }
     }
+  }
+}
+
+// A late current shows loaded rows at rest; a late voltage says nothing of a start, and a wrong one is said beside it.
+TEST(Identification, OnlyALateCurrentSilencesTheDoubtAboutAStart) {
+  for (const bool current : {false, true}) {
+    auto logs = test::SyntheticLogs(Truth(), 2.0, 0.0002);
+    logs[0].entry.initial_soc = 0.7;
+    Record& pulses = logs[4].log.record;
+    Column& late = current ? pulses.current_A : pulses.voltage_V;
+    for (std::size_t k = late.size() - 1; k > 0; --k) late[k] = std::as_const(late)[k - 1];
+    EXPECT_NE(DoubtAboutLag(pulses), "");
+    const auto notes = Identify(test::CampaignOf(logs), logs, {}).log_notes;
+    const bool said = std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+      return note.starts_with("cc_1C.csv rests at 4.2 V before its first load");
+    });
+    EXPECT_EQ(said, !current);
   }
 }
 

@@ -190,7 +190,7 @@ TEST(Plausibility, SecondsOfAClockInMinutesAreSeen) {
   EXPECT_EQ(DoubtAboutTime(record), "");
 }
 
-TEST(Plausibility, ACurrentThatIsReadARowLateIsSaid) {
+Record SixPulses() {
   std::vector<test::CurrentStep> steps;
   for (int k = 0; k < 6; ++k) {
     steps.push_back({20.0, 0.0});
@@ -198,12 +198,18 @@ TEST(Plausibility, ACurrentThatIsReadARowLateIsSaid) {
   }
   Record record = test::RecordOfSteps(steps);
   test::AddWhiteNoise(record, 1e-3, 1);
+  return record;
+}
+
+TEST(Plausibility, ACurrentThatIsReadARowLateIsSaid) {
+  Record record = SixPulses();
   for (std::size_t k = record.size() - 1; k > 0; --k) record.current_A[k] = record.current_A[k - 1];
   EXPECT_EQ(
       DoubtAboutLag(record),
       "at 11 of 11 steps of the current the voltage has moved one row before: if the logger reads the current "
       "a row late, shift one of the two columns by a row; as it stands, rows without a current show the "
       "voltage under load");
+  EXPECT_TRUE(ReadsCurrentLate(record));
 }
 
 TEST(Plausibility, ACellThatIsHotBeforeATestMayBeInFahrenheit) {
@@ -219,19 +225,14 @@ TEST(Plausibility, ACellThatIsHotBeforeATestMayBeInFahrenheit) {
 }
 
 TEST(Plausibility, AVoltageThatIsReadARowLateIsSaid) {
-  std::vector<test::CurrentStep> steps;
-  for (int k = 0; k < 6; ++k) {
-    steps.push_back({20.0, 0.0});
-    steps.push_back({20.0, 2.0});
-  }
-  Record record = test::RecordOfSteps(steps);
-  test::AddWhiteNoise(record, 1e-3, 1);
+  Record record = SixPulses();
   EXPECT_EQ(DoubtAboutLag(record), "");
   for (std::size_t k = record.size() - 1; k > 0; --k) record.voltage_V[k] = record.voltage_V[k - 1];
   EXPECT_EQ(
       DoubtAboutLag(record),
       "at 11 of 11 steps of the current the voltage moves one row later: if the logger reads it a row late, "
       "shift one of the two columns by a row; as it stands, resistances within one row come out too small");
+  EXPECT_FALSE(ReadsCurrentLate(record));
   // A ramp, and a record of few steps, say nothing.
   EXPECT_EQ(DoubtAboutLag(test::RecordOfSteps({{20.0, 0.0}, {20.0, 2.0}})), "");
 }
