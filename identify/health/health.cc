@@ -13,6 +13,7 @@
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/segments.h"
+#include "identify/still_temperature.h"
 #include "model/battery/arrhenius.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
@@ -79,6 +80,14 @@ constexpr double kGuessedWarmth_K = 15.0;
 bool WarmthIsGuessed(const Record& record, const FlightHealth& health) {
   return health.temperature_known && record.temperature_degC.empty() &&
          StartOfFlight(record) == FlightStart::kLoaded;
+}
+
+// The deviation of the logarithm of a resistance where the temperature is known to lie within this of what it is taken
+// to be, and no more is.
+double OfWarmth(const ReferenceCell& reference, double warmth_K, double at_degC) {
+  const double at_K = at_degC + kZeroCelsius_K;
+  return warmth_K / std::sqrt(3.0) * reference.cell.temperature->series_J_per_mol /
+         (kGasConstant_J_per_mol_K * at_K * at_K);
 }
 
 void AddCautions(const FlightSamples& samples,
@@ -397,9 +406,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   double of_warmth = 0.0;  // in the logarithm of the resistance
   if (WarmthIsGuessed(record, health)) {
     among.initial_degC = *among.ambient_degC + kGuessedWarmth_K;
-    const double start_K = *among.initial_degC + kZeroCelsius_K;
-    of_warmth = kGuessedWarmth_K / std::sqrt(3.0) * reference.cell.temperature->series_J_per_mol /
-                (kGasConstant_J_per_mol_K * start_K * start_K);
+    of_warmth = OfWarmth(reference, kGuessedWarmth_K, *among.initial_degC);
   }
   const FittedFlight fitted = FitAsFlowed(reference, samples, among, options.sensors);
   const FlightModel& model = *fitted.model;
@@ -512,6 +519,18 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
     sampling = std::hypot(
         sampling,
         0.5 * model.GrowthOfDrop(x, middle, std::max(step_A, 1e-3), samples.unresolved.between_s));
+  }
+  const double unshown_K =
+      at_one_temperature
+          ? 0.0
+          : UnshownWarming_K(reference.cell, record, std::clamp(x[U::kStart], 0.0, 1.0));
+  if (unshown_K > 0.0) {
+    health.cautions.push_back(fmt::format(
+        "the temperature of the log hardly moves, where such a pack would warm by {:.2g} K: it is that of the air, or of a "
+        "thermometer that is stuck, unless the pack is held at one temperature. That the pack may be as much warmer is in the "
+        "interval of the resistance; take the column out and give --ambient-degC",
+        unshown_K));
+    of_warmth = OfWarmth(reference, unshown_K, record.temperature_degC.front());
   }
   const double of_resistance =
       std::hypot(Deviation(resistance.slope, covariance), sampling, of_warmth);

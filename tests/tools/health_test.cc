@@ -480,6 +480,31 @@ TEST(Health, ACutFlightDoesNotBeginAtTheTemperatureOfTheAir) {
   EXPECT_FALSE(says(all));
 }
 
+// The pack warms by 20 K and more, and loses a third of its resistance on the way.
+TEST(Health, SeesThatAThermometerIsStuck) {
+  const Record whole = FlightOfAnOldPack("whole").record;
+  const double truth_Ohm = HealthOfAnOldPack(whole).resistance_Ohm.value;
+  Record stuck = whole;
+  stuck.temperature_degC = Column(stuck.size(), 25.0);
+  const FlightHealth health = HealthOfAnOldPack(stuck);
+  EXPECT_LT(health.resistance_Ohm.low, truth_Ohm);
+  EXPECT_GT(health.resistance_Ohm.high, truth_Ohm);
+  const auto says = [](const FlightHealth& of) {
+    return std::any_of(of.cautions.begin(), of.cautions.end(), [](const auto& caution) {
+      return caution.starts_with("the temperature of the log hardly moves");
+    });
+  };
+  EXPECT_TRUE(says(health));
+  // One that follows the pack is believed.
+  const Record followed = FlyAndLog(WithTypicalTemperature(NewFlightCell()),
+                                    4,
+                                    {},
+                                    {.temperature_step_degC = 0.1},
+                                    "followed")
+                              .log.record;
+  EXPECT_FALSE(says(HealthOfAnOldPack(followed)));
+}
+
 // With 50 Ah for 5 this flight fits a hardly used pack nearly as well, and only what was said of the capacity is for it.
 TEST(Health, DoesNotConfirmACapacityThatIsTenTimesTooLarge) {
   const SyntheticFlight flight =
