@@ -320,6 +320,7 @@ void NoteOnToldTemperatures(Identification& found, const std::vector<LoadedLog>&
 }  // namespace
 
 std::string Identification::Verdict() const {
+  if (flights_alone) return fmt::format("{} ({})", quality.Sentence(), flights_alone->Averaged());
   const std::string part = fitted_part();
   return part.empty() ? quality.Sentence() : fmt::format("{} ({} alone)", quality.Sentence(), part);
 }

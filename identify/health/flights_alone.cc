@@ -349,6 +349,12 @@ class Starts {
 
 }  // namespace
 
+std::string FlightsAlone::Averaged() const {
+  double longest_s = 0.0;
+  for (const Flight& flight : flights) longest_s = std::max(longest_s, flight.window_s);
+  return fmt::format("of means over {:.2g} s, with the lag of the voltage put back", longest_s);
+}
+
 FlightsAlone IdentifyFlightsAlone(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
   std::vector<Flown> flights = SampleFlights(campaign, logs);
   if (flights.size() == 1) return FitFlightsAlone(campaign, {&flights[0]});

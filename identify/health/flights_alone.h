@@ -41,6 +41,8 @@ struct FlightsAlone {
   double lowest_soc = 0.0;  ///< of the range that was flown, as counted
   double highest_soc = 1.0;
   double total_resistance_Ohm = 0.0;
+  /// Of what the errors are: "of means over 3.2 s, with the lag of the voltage put back".
+  [[nodiscard]] std::string Averaged() const;
   std::vector<std::string> doubts;  ///< why the pack that was given is none of these flights
   std::vector<std::string> cautions;
   JointLogs logs;  ///< as the fit saw them

@@ -144,6 +144,7 @@ Json FlightsAloneToJson(const FlightsAlone& found) {
           {"converged", found.converged},
           {"flights",
            {{"fitted", std::move(flights)},
+            {"averaged", found.Averaged()},
             {"lowest_soc", found.lowest_soc},
             {"highest_soc", found.highest_soc},
             {"total_resistance_Ohm", found.total_resistance_Ohm},

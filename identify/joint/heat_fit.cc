@@ -13,7 +13,7 @@
 namespace lipoid {
 namespace {
 
-// A log as the heat balance sees it: heat that flows until each row, and how far the cell is above
+// A log as the heat balance sees it: heat that flows before each row, and how far the cell is above
 // its surroundings there.
 struct Warming {
   std::vector<double> dt_s;
@@ -32,12 +32,14 @@ Warming WarmingOf(const Cell& cell, const LoadedLog& log) {
       log.ambient_doubted ? first_degC : log.entry.ambient_degC.value_or(first_degC);
   Warming of;
   for (std::size_t k = 0; k < record.size(); ++k) {
-    stepper.Row(record.time_s[k], record.current_A[k]);
-    stepper.SetTemperature(record.temperature_degC[k] + kZeroCelsius_K);
     const double flowed_A =
         k == 0 ? 0.0 : record.current_A[record.hold == Hold::kBackward ? k : k - 1];
+    const double at_first_W = model.Heat(stepper.state(), flowed_A);
+    stepper.Row(record.time_s[k], record.current_A[k]);
+    stepper.SetTemperature(record.temperature_degC[k] + kZeroCelsius_K);
     of.dt_s.push_back(k == 0 ? 0.0 : record.time_s[k] - record.time_s[k - 1]);
-    of.heat_W.push_back(model.Heat(stepper.state(), flowed_A));
+    // As CellModel::Advance() has it.
+    of.heat_W.push_back(0.5 * (at_first_W + model.Heat(stepper.state(), flowed_A)));
     of.above_K.push_back(record.temperature_degC[k] - ambient_degC);
   }
   return of;

@@ -80,29 +80,43 @@ std::vector<Profile> ProfileJoint(const std::vector<std::string>& names,
   const JointSolution& best = result.choice.best;
   const GivenParameters known{.fixed = result.fixed, .bounds = bounds};
   const Profiled offered = ProfiledNames(best.structure, result.setup.diffusion, false, known);
+  const auto has = [](const std::vector<std::string>& list, const std::string& name) {
+    return std::find(list.begin(), list.end(), name) != list.end();
+  };
+  std::vector<std::string> free;
+  std::vector<Profile> none;
   for (const std::string& name : names) {
-    if (std::find(offered.tables.begin(), offered.tables.end(), name) == offered.tables.end())
+    if (has(offered.free, name)) {
+      free.push_back(name);
       continue;
-    throw OptionError(
-        fmt::format("option --profile: {} is a table over the state of charge here, and no single "
-                    "value can be held; --set joint.resistance_nodes=1 makes it one number",
-                    name));
+    }
+    Profile one;
+    one.name = name;
+    one.unit = std::string(CellParameterUnit(name));
+    one.none_because =
+        has(offered.tables, name)
+            ? "it is a table over the state of charge here, and no single value can be held; --set "
+              "joint.resistance_nodes=1 makes it one number"
+        : has(offered.fixed, name) ? "it is given, or follows from what is"
+                                   : "the structure that was chosen does not have it";
+    none.push_back(std::move(one));
   }
-  CheckProfileNames(names, offered.free, offered.fixed);
 
   constexpr double kStep = 1e-3;  // what it leaves of the cost is its square
   const JointObservations seen(result.logs, result.setup);
-  return ProfileFit(names,
-                    {.seen = seen,
-                     .solution = best,
-                     .known = known,
-                     .scales = seen.scales(),
-                     .typical_Ohm = 0.1 / result.logs.typical_A,
-                     .refit =
-                         [](const JointFit& fit, JointSolution from) {
-                           return fit.Polish(std::move(from), kStep);
-                         }},
-                    trust);
+  std::vector<Profile> found = ProfileFit(free,
+                                          {.seen = seen,
+                                           .solution = best,
+                                           .known = known,
+                                           .scales = seen.scales(),
+                                           .typical_Ohm = 0.1 / result.logs.typical_A,
+                                           .refit =
+                                               [](const JointFit& fit, JointSolution from) {
+                                                 return fit.Polish(std::move(from), kStep);
+                                               }},
+                                          trust);
+  found.insert(found.end(), none.begin(), none.end());
+  return found;
 }
 
 }  // namespace lipoid

@@ -22,8 +22,8 @@ void CheckJointProfile(const std::vector<std::string>& names,
                        bool diffusion);
 
 /// Names are those of the trust report: branches by rising time constant. `bounds` are those that
-/// the run had. Throws OptionError for a name that this run does not have, or that was given, and
-/// for a table.
+/// the run had. What this run does not have, what was given, and a table has no profile and a reason,
+/// behind the others. Throws OptionError for what no joint run has.
 [[nodiscard]] std::vector<Profile> ProfileJoint(
     const std::vector<std::string>& names,
     const JointResult& result,

@@ -108,7 +108,10 @@ std::vector<Profile> FindProfiles(const std::vector<ProfileTask>& tasks, const T
     profiles[t].name = task.name;
     profiles[t].unit = task.unit;
     profiles[t].estimate = task.estimate;
-    if (!std::isfinite(task.estimate)) continue;
+    if (!std::isfinite(task.estimate)) {
+      profiles[t].none_because = "it has no value, for its branch has no resistance";
+      continue;
+    }
     for (const double value : ProfileGrid(task, trust)) {
       if (value < task.estimate) ++centre[t];
       profiles[t].points.push_back({.value = value});

@@ -34,7 +34,8 @@ struct Profile {
   std::string name;
   std::string unit;
   double estimate = 0.0;
-  std::vector<ProfilePoint> points;  ///< rising; none where the parameter has no value
+  std::vector<ProfilePoint> points;  ///< rising
+  std::string none_because;          ///< in a sentence, where there are no points
   double rise_95 = std::numeric_limits<double>::quiet_NaN();  ///< of the cost, where 95 % end
   std::string rise_of;  ///< the parameter whose rise was taken, where its own is not known
   double least_cost = std::numeric_limits<double>::quiet_NaN();  ///< of the points

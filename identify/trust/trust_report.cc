@@ -82,14 +82,15 @@ Json ProfilesToJson(const std::vector<Profile>& profiles) {
                         {"cost", NumberOrNull(point.cost)},
                         {"rmse_V", NumberOrNull(point.rmse_V)}});
     }
-    all.push_back(
-        {{"name", profile.name},
-         {"unit", profile.unit},
-         {"estimate", NumberOrNull(profile.estimate)},
-         {"points", std::move(points)},
-         {"interval_95", {NumberOrNull(profile.low), NumberOrNull(profile.high)}},
-         {"objective_rise_95", NumberOrNull(profile.rise_95)},
-         {"objective_rise_of", profile.rise_of.empty() ? profile.name : profile.rise_of}});
+    Json one = {{"name", profile.name},
+                {"unit", profile.unit},
+                {"estimate", NumberOrNull(profile.estimate)},
+                {"points", std::move(points)},
+                {"interval_95", {NumberOrNull(profile.low), NumberOrNull(profile.high)}},
+                {"objective_rise_95", NumberOrNull(profile.rise_95)},
+                {"objective_rise_of", profile.rise_of.empty() ? profile.name : profile.rise_of}};
+    if (!profile.none_because.empty()) one["none_because"] = profile.none_because;
+    all.push_back(std::move(one));
   }
   return all;
 }

@@ -373,6 +373,7 @@ Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& ans
   json["vehicle"] = request.power ? Json(nullptr) : Json(request.vehicle.name);
   json["cell"] = request.cell.name;
   json["capacity_Ah"] = request.size_factor * request.cell.capacity_Ah;
+  json["alpha_Ah"] = request.size_factor * request.cell.alpha_C() / 3600.0;
   json["series"] = request.cell.series;
   json["parallel"] = request.cell.parallel;
   json["cutoff_V"] = request.cell.series * request.cell.cutoff_V;

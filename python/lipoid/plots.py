@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from lipoid import _core
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
@@ -197,6 +198,14 @@ def profiles(found: Sequence[Mapping[str, Any]] | None, axes: Any = None) -> lis
     """Draw the rmse over each profiled parameter: key `profiles` of a summary."""
     if not found:
         raise OptionError('no profile was asked for: identify(..., profile=["beta"])')
+    none = [
+        f"{one['name']}: {_core.in_python(one['none_because'])}"
+        for one in found
+        if not one["points"]
+    ]
+    found = [one for one in found if one["points"]]
+    if not found:
+        raise OptionError(f"no profile could be had of {'; '.join(none)}")
     drawn = _axes(axes, len(found), share=False)
     for axis, one in zip(drawn, found, strict=True):
         points = one["points"]

@@ -410,7 +410,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     line.Message("not converged: the cell file says so; see `message` in its metrics");
   if (!usable && converged) {
     line.Message(
-        "the cell does not describe its own logs (first line); look at the cut-off, the capacity, "
+        "the cell does not describe its own logs, as the verdict says; look at the cut-off, the capacity, "
         "the kinds and where each log starts, then run it again");
   }
   return usable ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;

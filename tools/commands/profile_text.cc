@@ -64,8 +64,7 @@ std::string ProfilesText(const std::vector<Profile>& profiles) {
   for (const Profile& profile : profiles) {
     if (!text.empty()) text += "\n";
     if (profile.points.empty()) {
-      text += fmt::format("profile of {}: it has no value, for its branch has no resistance\n",
-                          profile.name);
+      text += fmt::format("profile of {}: {}\n", profile.name, profile.none_because);
       continue;
     }
     text +=

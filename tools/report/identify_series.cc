@@ -34,10 +34,13 @@ Series OverCharge(const std::string& kind,
   return series;
 }
 
+// A current that passes through zero is no rest.
 std::vector<std::size_t> EndsOfRests(const Record& record) {
+  constexpr double kLeast_s = 10.0;
   std::vector<std::size_t> rows;
   for (const Segment& segment : FindSegments(record)) {
-    if (segment.kind == SegmentKind::kRest) rows.push_back(segment.last);
+    if (segment.kind == SegmentKind::kRest && segment.duration_s() >= kLeast_s)
+      rows.push_back(segment.last);
   }
   if (rows.size() <= kRowsOfCurve) return rows;
   std::vector<std::size_t> some;
@@ -90,10 +93,11 @@ std::vector<Series> IdentifySeries(const Cell& found,
   std::vector<RowsOverCharge> at(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n_log) {
     const Record& record = logs[n_log].log.record;
-    if (logs[n_log].entry.kind == LogKind::kLowRate) {
+    const LogKind kind = logs[n_log].entry.kind;
+    if (kind == LogKind::kLowRate) {
       const std::array<std::span<const double>, 1> seen{record.voltage_V};
       at[n_log].rows = ThinnedRows(record.size(), seen, {}, kRowsOfCurve);
-    } else if (logs[n_log].entry.kind != LogKind::kConstantCurrent) {
+    } else if (TakesPartInLabFit(kind) && kind != LogKind::kConstantCurrent) {
       at[n_log].rows = EndsOfRests(record);
     }
   });

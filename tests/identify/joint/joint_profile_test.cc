@@ -90,14 +90,18 @@ TEST(JointProfile, RefusesWhatItCannotHold) {
   given.parameters.fixed["beta"] = 0.1924;
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, options, given);
   const TrustReport trust = AssessJoint(result);
-  EXPECT_EQ(Refusal({"r_s"}, result, trust),
-            "option --profile: r_s is a table over the state of charge here, and no single value "
-            "can be held; --set joint.resistance_nodes=1 makes it one number");
-  EXPECT_EQ(Refusal({"beta"}, result, trust),
-            "option --profile: 'beta' is given, or follows from what is; profiles can be had of "
-            "tau_1");
-  EXPECT_EQ(Refusal({"tau_2"}, result, trust),
-            "option --profile: no parameter 'tau_2' in this fit; profiles can be had of tau_1");
+  const std::vector<Profile> found = ProfileJoint({"r_s", "beta", "tau_2", "tau_1"}, result, trust);
+  ASSERT_EQ(found.size(), 4u);
+  EXPECT_EQ(found[0].name, "tau_1");
+  EXPECT_FALSE(found[0].points.empty());
+  EXPECT_EQ(found[0].none_because, "");
+  EXPECT_EQ(found[1].name, "r_s");
+  EXPECT_EQ(found[1].none_because,
+            "it is a table over the state of charge here, and no single value can be held; --set "
+            "joint.resistance_nodes=1 makes it one number");
+  EXPECT_EQ(found[2].none_because, "it is given, or follows from what is");
+  EXPECT_EQ(found[3].none_because, "the structure that was chosen does not have it");
+  for (std::size_t k = 1; k < 4; ++k) EXPECT_TRUE(found[k].points.empty());
   EXPECT_NE(Refusal({"c_1"}, result, trust).find("profile tau_1 instead"), std::string::npos);
   EXPECT_NE(Refusal({"alpha"}, result, trust).find("convention"), std::string::npos);
 }

@@ -62,7 +62,7 @@ export function logCharts(series, { link, predictions = PREDICTIONS, spans, mark
     chart("Current, discharge positive", "current / A", [{ label: "current", values: column.current_A, colour: 2 }], SMALL_HEIGHT);
   }
   if (column.temperature_degC) {
-    chart("Temperature", "temperature / °C", [{ label: "temperature", values: column.temperature_degC, colour: 4 }], SMALL_HEIGHT);
+    chart("Temperature", "T / °C", [{ label: "temperature", values: column.temperature_degC, colour: 4 }], SMALL_HEIGHT);
   }
   return charts;
 }

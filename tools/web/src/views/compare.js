@@ -81,15 +81,14 @@ function reachedTracks(results, along) {
   });
 }
 
-// Lines go on to the end of the chart: a share that was reached stays.
+// Lines begin at no start and go on to the end of the chart: a share that was reached stays, and one that never was is seen.
 function prolonged(tracks) {
-  const end = Math.max(...tracks.flatMap((track) => track.at));
-  for (const track of tracks) {
-    if (track.at.length === 0 || track.at[track.at.length - 1] >= end) continue;
-    track.at.push(end);
-    track.values.push(track.values[track.values.length - 1]);
-  }
-  return tracks;
+  const all = tracks.flatMap((track) => track.at);
+  if (all.length === 0) return tracks;
+  const [begin, end] = [Math.min(...all) / 1.5, Math.max(...all) * 1.5];
+  return tracks.map(({ label, at, values }) => ({
+    label, at: [begin, ...at, end], values: [0, ...values, values[values.length - 1] ?? 0],
+  }));
 }
 
 function success(results, target) {

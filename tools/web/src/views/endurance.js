@@ -43,6 +43,8 @@ function uncertain(quantity, unit = "", factor = 1) {
 const speed = (value) => (isNumber(value) ? `${significant(value, 3)} m/s` : null);
 const flownSpeed = ({ level_flight }) => (level_flight?.airspeed_m_per_s > 0 ? speed(level_flight.airspeed_m_per_s) : null);
 
+const OVER = { "ambient-degC": "temperature of the air / °C", "airspeed-m-per-s": "airspeed / (m/s)" };
+
 // "payload_g": payload / g.
 function words(key) {
   const parts = key.split("_");
@@ -55,7 +57,7 @@ function overQuantity({ name, rows }) {
   const values = listOf(rows);
   const ends = (side) => values.map((row) => row.minutes_interval_95?.[side] ?? null);
   const known = values.some((row) => Array.isArray(row.minutes_interval_95));
-  const label = name === "ambient-degC" ? "temperature of the air / °C" : words(name.replaceAll("-", "_"));
+  const label = OVER[name] ?? words(name.replaceAll("-", "_"));
   const title = label.split(" / ")[0];
   return section(`Over the ${title}`,
     lineChart({
@@ -103,6 +105,7 @@ export const endurance = {
         ["Vehicle", summary.vehicle],
         ["Battery", `${summary.series}S${summary.parallel}P of ${summary.cell}`],
         ["Capacity of a new cell", isNumber(summary.capacity_Ah) ? `${significant(summary.capacity_Ah)} Ah` : null],
+        ["Charge that it gives until it is empty (alpha)", isNumber(summary.alpha_Ah) ? `${significant(summary.alpha_Ah)} Ah` : null],
         ["Mission", summary.mission],
         ["Payload", uncertain(summary.payload_kg, " g", 1e3)],
         ["Airspeed", uncertain(summary.airspeed_m_per_s, " m/s") ?? flownSpeed(summary)],

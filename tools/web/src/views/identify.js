@@ -39,14 +39,17 @@ function cell(summary, series, program, key) {
 function sorted(summary) {
   const places = { header: [], curve: [], parameters: [], logs: {} };
   const files = (summary.campaign?.logs ?? []).map(({ file }) => file);
-  for (const text of [...(summary.cautions ?? []), ...(summary.log_notes ?? [])]) {
+  for (const text of [...(summary.cautions ?? []), ...(summary.flights?.cautions ?? []), ...(summary.log_notes ?? [])]) {
     const file = files.filter((name) => text.startsWith(name)).sort((a, b) => b.length - a.length)[0];
     if (file) (places.logs[file] ??= []).push(text);
     else if (/v_oc/.test(text)) places.curve.push(text);
     else if (/^branch|beta|tau_|r_s|r_\d/.test(text)) places.parameters.push(text);
     else places.header.push(text);
   }
-  for (const log of summary.campaign?.logs ?? []) (places.logs[log.file] ??= []).push(...(log.warnings ?? []));
+  for (const log of summary.campaign?.logs ?? []) {
+    const said = (places.logs[log.file] ??= []);
+    said.push(...(log.warnings ?? []).filter((text) => !said.some((other) => other.endsWith(text))));
+  }
   return places;
 }
 

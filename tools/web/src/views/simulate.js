@@ -21,9 +21,9 @@ function charts(series) {
   return [
     chart("Voltage", "voltage / V", lines.filter(Boolean)),
     chart("Current, discharge positive", "current / A", [{ label: "current", values: column.current_A, colour: 2 }], FLAT_HEIGHT),
-    chart("State of charge", "charge / %", [{ label: "state of charge", values: column.soc.map((share) => 100 * share), colour: 5 }], FLAT_HEIGHT),
+    chart("Available state of charge A", "A / %", [{ label: "A", values: column.soc.map((share) => 100 * share), colour: 5 }], FLAT_HEIGHT),
     column.temperature_degC
-      ? chart("Temperature of the cell", "temperature / °C", [{ label: "temperature", values: column.temperature_degC, colour: 4 }], FLAT_HEIGHT)
+      ? chart("Temperature of the cell", "T / °C", [{ label: "temperature", values: column.temperature_degC, colour: 4 }], FLAT_HEIGHT)
       : null,
   ];
 }
@@ -45,13 +45,14 @@ export const simulate = {
         ["Lasts", duration(log?.duration_s)],
         ["Cut-off reached", isNumber(log?.cutoff_s) ? `at ${significant(log.cutoff_s, 6)} s` : "no"],
         ["State of charge at the start", percent(log?.initial_soc)],
-        ["At the end", percent(log?.final_soc)],
+        ["Available state of charge A at the end", percent(log?.final_soc)],
         ["Voltage at the end", volts(log?.final_voltage_V)],
         ["Lowest voltage", volts(log?.minimum_voltage_V)],
         ["Cells drawn", summary.ensemble?.cells],
         ["Width of their band, on average", volts(summary.ensemble?.band_mean_V)],
         ["At most", volts(summary.ensemble?.band_max_V)],
       ]),
+      note("A is what of the charge is at hand, (4.48): under load it is less than what is left, by the gradient inside of the cell, and at rest it comes back."),
       thinned ? note(thinned) : null,
       drawn ? charts(drawn) : element("p", {}, "The samples stand in the file that the command wrote; its own page (--report) shows them."),
     ];

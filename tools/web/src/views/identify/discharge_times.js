@@ -19,6 +19,7 @@ export function dischargeTimes({ summary, key }) {
   const measured = rows.length > 0 ? rows : simulated;
   const currents = measured.map(({ current_A }) => current_A);
   const [least, most] = [Math.min(...currents), Math.max(...currents)];
+  const nearly = most - least < 0.1 * most;  // one current, many times
   const lines = [{ label: "measured", x: currents, values: measured.map(({ measured_s }) => measured_s), points: true, hollow: true, size: 12, colour: 0 }];
   if (simulated.length > 0) {
     lines.push({ label: "this cell, voltage to cut-off", x: simulated.map(({ current_A }) => current_A),
@@ -38,7 +39,7 @@ export function dischargeTimes({ summary, key }) {
     lineChart({
       title: "Discharge time against current",
       name: `${key} discharge times`,
-      x: { label: "current / A", values: currents },
+      x: { label: "current / A", values: currents, include: nearly ? [0.9 * least, 1.1 * most] : [] },
       y: { label: "time / s", zero: true },
       lines,
     }),

@@ -15,10 +15,12 @@ function logsInWords(logs) {
 // The staged method judges the logs of one kind.
 const PART = { "pulses": "pulses", "constant-current": "discharges" };
 
-function verdictSentence({ verdict, fitted_kind: kind }) {
+function verdictSentence({ verdict, fitted_kind: kind, flights }) {
+  const averaged = flights?.averaged;
   if (!verdict) return null;
   const { grade, rmse_V, mean_error_percent, reasons } = verdict;
-  return judgement({ verdict: grade, rmse_V, mean_error_percent, reason: (reasons ?? []).join("; ") }, `its own logs${PART[kind] ? ` (${PART[kind]} alone)` : ""}`);
+  const part = PART[kind] ? ` (${PART[kind]} alone)` : averaged ? ` (${averaged})` : "";
+  return judgement({ verdict: grade, rmse_V, mean_error_percent, reason: (reasons ?? []).join("; ") }, `its own logs${part}`);
 }
 
 /** The key `fit` of a summary as a sentence; `what` are the logs that it is of. */

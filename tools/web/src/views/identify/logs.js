@@ -9,6 +9,8 @@ const mV = (volts) => (typeof volts === "number" ? 1e3 * volts : null);
 // Errors of a log: fitted, validation or, of the staged method, among the constant currents.
 function errorsOf(summary, log) {
   const same = ({ file }) => file === log.file;
+  const flown = summary.flights?.fitted?.find(same);
+  if (flown) return { by: flown };
   const staged = summary.staged ?? {};
   if (log.kind === "validation") {
     return { by: summary.validation?.find(same), staged: staged.validation?.find(same) };
@@ -25,11 +27,13 @@ function errorsOf(summary, log) {
 function errorTable(summary, logs) {
   const rows = logs.map((log) => ({ log, ...errorsOf(summary, log) }));
   const both = rows.some(({ staged }) => staged);
+  const averaged = summary.flights?.averaged;
   return table(
     [
       { title: "log", of: ({ log }) => log.file },
       { title: "kind", of: ({ log }) => log.kind },
       { title: "rows", of: ({ log }) => log.rows },
+      ...(averaged ? [{ title: "means", of: ({ by }) => by?.rows }] : []),
       { title: "mean error / %", of: ({ by }) => by?.mean_error_percent },
       { title: "maximum / %", of: ({ by }) => by?.max_error_percent },
       { title: "rms / mV", of: ({ by }) => mV(by?.rmse_V) },
@@ -41,7 +45,7 @@ function errorTable(summary, logs) {
         : []),
     ],
     rows,
-    { sort: true, caption: both ? "Errors over all rows of each log: the joint answer, and the staged one beside it" : "Errors over all rows of each log" },
+    { sort: true, caption: both ? "Errors over all rows of each log: the joint answer, and the staged one beside it" : averaged ? `Errors ${averaged}` : "Errors over all rows of each log" },
   );
 }
 

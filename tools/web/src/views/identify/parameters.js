@@ -41,7 +41,7 @@ const scaled = (value, factor) => (typeof value === "number" ? factor * value : 
 export function known({ summary }) {
   const alpha = (summary.parameters ?? []).find(({ name }) => name === "alpha");
   const interval = alpha?.interval_95 ?? [];
-  const rows = [
+  const all = [
     { what: "charge alpha", value: scaled(summary.alpha_C, 1 / 3600), low: scaled(interval[0], 1 / 3600), high: scaled(interval[1], 1 / 3600), unit: "Ah" },
     ...(summary.resistance ?? []).map((r) => ({
       what: `resistance at ${significant(100 * r.soc)} % charge, ${r.after_s} s after ${significant(r.current_A, 3)} A are switched on`,
@@ -51,6 +51,8 @@ export function known({ summary }) {
       unit: "mΩ",
     })),
   ];
+  const rows = all.filter(({ value }) => typeof value === "number");
+  if (rows.length === 0) return null;
   return section(
     "What the logs know",
     table(

@@ -18,7 +18,7 @@ export function profiles({ summary, key }) {
   if (all.length === 0) return null;
   const chart = (profile) => {
     const points = profile.points ?? [];
-    if (points.length === 0) return note(`${profile.name} has no value, for its branch has no resistance.`);
+    if (points.length === 0) return note(`No profile of ${profile.name}: ${profile.none_because ?? "it has no value"}.`);
     const costs = points.map(({ cost }) => cost).filter((cost) => typeof cost === "number");
     const least = Math.min(...costs);
     const rise = profile.objective_rise_95;
