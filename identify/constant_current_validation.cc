@@ -23,24 +23,56 @@ bool ComesBack(const Record& record, double cutoff_V) {
   return false;
 }
 
+// The same as TimeToCutoff() at the temperatures that were measured, the last of which lasts.
+std::optional<double> TimeToCutoffAsMeasured(const Cell& one,
+                                             const LoadedLog& log,
+                                             const DischargeTime& measured,
+                                             double longest_s) {
+  constexpr double kRows =
+      2000.0;  // of the discharge: straight lines between them are exact enough
+  const Record& record = log.log.record;
+  const double start_s = FindDischarge(record, one.cutoff_V).start_s;
+  const double step_s = measured.time_s / kRows;
+  const auto count = static_cast<std::size_t>(longest_s / step_s) + 1;
+  Column time_s(count), current_A(count, measured.current_A), degC(count);
+  std::size_t row = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    time_s[k] = static_cast<double>(k) * step_s;
+    const double at_s = start_s + time_s[k];
+    while (row + 1 < record.size() && record.time_s[row + 1] < at_s) ++row;
+    degC[k] = record.temperature_degC[row];
+    if (row + 1 == record.size() || at_s <= record.time_s[row]) continue;
+    const double share =
+        (at_s - record.time_s[row]) / (record.time_s[row + 1] - record.time_s[row]);
+    degC[k] += share * (record.temperature_degC[row + 1] - degC[k]);
+  }
+  const Prediction predicted = Predict(
+      one, time_s, current_A, Hold::kBackward, log.entry.initial_soc, {.measured_degC = degC});
+  const auto& voltage_V = predicted.voltage_V;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (voltage_V[k] > one.cutoff_V) continue;
+    if (k == 0) return 0.0;
+    const double share = (voltage_V[k - 1] - one.cutoff_V) / (voltage_V[k - 1] - voltage_V[k]);
+    return time_s[k - 1] + share * step_s;
+  }
+  return std::nullopt;
+}
+
 ConstantCurrentErrors ErrorsOf(const Cell& one,
                                const LoadedLog& log,
                                const DischargeTime& measured) {
   ConstantCurrentErrors errors{.voltage = Validate(one, log),
                                .current_A = measured.current_A,
                                .measured_s = measured.time_s};
-  // The measured temperature ends with the log; the discharge that is predicted need not.
-  Surroundings surroundings = SurroundingsOf(log.log.record, log.entry);
-  if (!surroundings.measured_degC.empty()) {
-    const double start_degC = surroundings.measured_degC.front();
-    surroundings = {.ambient_degC = surroundings.ambient_degC.value_or(start_degC),
-                    .initial_degC = start_degC};
-  }
-  const auto predicted_s = TimeToCutoff(one,
-                                        measured.current_A,
-                                        log.entry.initial_soc,
-                                        kLongestDischarge * measured.time_s,
-                                        surroundings);
+  const double longest_s = kLongestDischarge * measured.time_s;
+  const auto predicted_s = one.temperature && !log.log.record.temperature_degC.empty()
+                               ? TimeToCutoffAsMeasured(one, log, measured, longest_s)
+                               : TimeToCutoff(one,
+                                              measured.current_A,
+                                              log.entry.initial_soc,
+                                              longest_s,
+                                              {.ambient_degC = log.entry.ambient_degC,
+                                               .initial_degC = log.entry.initial_degC});
   if (predicted_s) {
     ErrorAccumulator time;
     time.Add(measured.time_s, *predicted_s);

@@ -1101,6 +1101,29 @@ class JointRun {
     }
   }
 
+  // A chamber that did not keep its temperature, or a fan that came on, is no property of the cell.
+  void NameDoubtfulHeat() {
+    constexpr double kHardlyKnown = 0.5;   // relative standard error
+    constexpr double kUnexplained = 0.15;  // of the rise; logs of a chamber have 0.02 to 0.1
+    if (!result_.heat) return;
+    const HeatFit& heat = *result_.heat;
+    const double c_th = heat.balance.heat_capacity_J_per_K;
+    const double r_th = heat.balance.thermal_resistance_K_per_W;
+    const bool unknown = heat.heat_capacity_standard_error_J_per_K > kHardlyKnown * c_th ||
+                         heat.thermal_resistance_standard_error_K_per_W > kHardlyKnown * r_th;
+    if (!unknown && heat.rmse_K < kUnexplained * heat.largest_rise_K) return;
+    result_.cautions.push_back(fmt::format(
+        "the heat balance is not to be believed, {:.3g} +- {:.2g} J/K and {:.3g} +- {:.2g} K/W: it explains the measured "
+        "temperatures to {:.2g} degC of a rise by {:.2g}. Did the air keep to one temperature in each log (ambient_degC, "
+        "else the first row)? Where a log has no temperature_degC (--ambient-degC) the predicted temperature is as far off",
+        c_th,
+        heat.heat_capacity_standard_error_J_per_K,
+        r_th,
+        heat.thermal_resistance_standard_error_K_per_W,
+        heat.rmse_K,
+        heat.largest_rise_K));
+  }
+
   // No cell has so much: something else that goes with the temperature is in it.
   void NameEntropyAtItsLimit() {
     constexpr double kAlmost = 0.999;
@@ -1142,6 +1165,7 @@ class JointRun {
             result_.heat->rmse_K,
             result_.heat->rmse_reversible_K));
       }
+      NameDoubtfulHeat();
       NameEntropyAtItsLimit();
       const bool predicted = result_.cell.temperature && result_.cell.temperature->heat;
       if (predicted || !TellTemperature(logs_)) return;

@@ -404,11 +404,12 @@ class Drafting {
         cutoff_V));
   }
 
-  void FindCutoffAndEnds() {
+  // None: `remarks` say why.
+  std::optional<double> DraftCutoff() {
     std::vector<Candidate> discharges = fast_.empty() ? slow_ : fast_;
     std::erase_if(discharges, [](const Candidate& each) { return !EndsEmpty(each); });
-    if (discharges.empty()) return;
-    double cutoff_V = FindCutoff(discharges);
+    if (discharges.empty()) return std::nullopt;
+    const double cutoff_V = FindCutoff(discharges);
     DoubtEndsApart(discharges, cutoff_V);
     if (!(cutoff_V >= kLowestCutoff_V)) {
       double highest_V = 0.0;
@@ -420,19 +421,25 @@ class Drafting {
             "another kind of cell, or half of one, and no cut-off is drafted.",
             highest_V,
             std::max(cutoff_V, 0.0)));
-        return;
+        return std::nullopt;
       }
       draft_.remarks.push_back(fmt::format(
           "The discharges end at {:.3g} V, below what any cell may be used to; {} V is typical, "
           "look it up.",
           std::max(cutoff_V, 0.0),
           kTypicalCutoff_V));
-      cutoff_V = kTypicalCutoff_V;
+      return kTypicalCutoff_V;
     }
-    draft_.campaign.cutoff_V = cutoff_V;
+    return cutoff_V;
+  }
+
+  void FindCutoffAndEnds() {
+    draft_.campaign.cutoff_V = options_.cutoff_V ? options_.cutoff_V : DraftCutoff();
+    if (!draft_.campaign.cutoff_V) return;
     for (const Candidate& each : fast_) {
       const Discharge& discharge = *each.inspection->discharge;
-      if (discharge.end_voltage_V <= cutoff_V + CutoffTolerance(discharge)) continue;
+      if (discharge.end_voltage_V <= *draft_.campaign.cutoff_V + CutoffTolerance(discharge))
+        continue;
       each.entry->left_out =
           fmt::format("ends at {:.4g} V, above the cut-off", discharge.end_voltage_V);
     }

@@ -38,6 +38,7 @@ struct DraftOptions {
   ReadOptions read = {};
   std::optional<int> series = {};  ///< else found from the voltages
   int parallel = 1;
+  std::optional<double> cutoff_V = {};  ///< of one cell; else found from the ends of the discharges
 };
 
 /// Endings of the names of files that are no logs: texts for people, campaign and cell files.

@@ -310,7 +310,7 @@ std::vector<HoverStability> CheckFlightLoops(const FlightSetup& setup) {
   const double drop_V =
       full.resistance_Ohm * trim.battery_A * trim.battery_V / lowest_V;  // of the same power
   // A battery whose resistance takes more than half of its voltage gives no such power.
-  check("lowest voltage",
+  check("lowest voltage allowed",
         drop_V < lowest_V ? Supply<double>{lowest_V + drop_V, full.resistance_Ohm}
                           : Supply<double>{lowest_V, 0.0});
   return hovers;

@@ -69,7 +69,7 @@ struct Growth {
 
 /// The loops about one hover of a flight.
 struct HoverStability {
-  std::string_view when;  ///< "take-off", or "lowest voltage"
+  std::string_view when;  ///< "take-off", or "lowest voltage allowed"
   double xi;              ///< the battery's voltage under the current of hover, over v_b0
   std::vector<LoopStability> loops;
 
@@ -82,7 +82,7 @@ struct HoverStability {
 [[nodiscard]] std::vector<HoverStability> CheckFlightLoops(const FlightSetup& setup);
 
 /// One sentence for each loop that is unstable or rings at one of the hovers, the unstable ones
-/// first: "the yaw loop is unstable at xi = 0.71 (lowest voltage): its error doubles every 1.2 s".
+/// first: "the yaw loop is unstable at xi = 0.71 (lowest voltage allowed): its error doubles every 1.2 s".
 [[nodiscard]] std::vector<std::string> StabilityWarnings(std::span<const HoverStability> hovers);
 
 /// In a summary: one object for each loop at each hover; null where a number does not exist.

@@ -2,7 +2,7 @@
 
 /// @file
 /// Hysteresis of the open-circuit voltage: after charging a cell rests higher than after
-/// discharging (docs/theory.md, "Hysteresis"; G. L. Plett, J. Power Sources 134 (2004) 252, its
+/// discharging (docs/theory.md, "Hysteresis"; G. L. Plett, J. Power Sources 134 (2004) 262, its
 /// one-state model).
 ///
 ///   h' = -(gamma |i|/alpha) (h + sign i),   v_oc,h = f(A) + M(A) h

@@ -33,7 +33,7 @@ inline constexpr FlightNumber kFlightNumbers[] = {
     {"remaining_soc", "share of the charge left", &FlightResult::rest_soc},
     {"minimum_voltage_V", "lowest voltage / V", &FlightResult::minimum_voltage_V},
     {"simulated_s", "flown / s", &FlightResult::simulated_s},
-    {"mse_altitude_m2", "altitude error / m^2", &FlightResult::mse_altitude_m2},
+    {"mse_altitude_m2", "mean square altitude error / m^2", &FlightResult::mse_altitude_m2},
     {"charge_C", "charge / C", &FlightResult::charge_C}};
 
 [[nodiscard]] Json FlightsToJson(std::span<const FlightResult> flights);

@@ -89,6 +89,36 @@ TEST(ConstantCurrentValidation, AnErrorThatWasPutInIsFound) {
   EXPECT_GT(errors[0].error_percent, 0.3);
 }
 
+// A heat balance that is wrong says nothing of a discharge whose temperature was measured.
+TEST(ConstantCurrentValidation, AMeasuredTemperatureIsFollowed) {
+  Cell truth = Truth();
+  Cell::Temperature& term = truth.temperature.emplace();
+  term.series_J_per_mol = 25e3;
+  term.branches_J_per_mol.assign(truth.branches.size(), 40e3);
+  term.diffusion_J_per_mol = 40e3;
+  term.heat = HeatBalance<double>{15.0, 20.0};
+  LoadedLog log = Discharged(truth, 3.0);
+  Record& record = log.log.record;
+  const Prediction at =
+      Predict(truth, record.time_s, record.current_A, record.hold, 1.0, {.ambient_degC = 0.0});
+  record.voltage_V = at.voltage_V;
+  record.temperature_degC = at.temperature_degC;
+  ASSERT_GT(record.temperature_degC.back(), 5.0);
+  Cell wrong = truth;
+  wrong.temperature->heat = HeatBalance<double>{1500.0, 20.0};
+  log.entry.ambient_degC = 0.0;
+  std::size_t end = 61;
+  while (end < record.size() && record.voltage_V[end] > truth.cutoff_V) ++end;
+  ASSERT_LT(end, record.size());  // colder than the discharge of 25 degC whose current it has
+  for (std::size_t k = end + 1; k < record.size(); ++k) record.current_A[k] = 0.0;
+  const auto errors = ValidateConstantCurrents(wrong, {log});
+  EXPECT_NEAR(errors[0].predicted_s, errors[0].measured_s, 0.2);
+  // Without the thermometer the cell stays cold, and ends earlier.
+  record.temperature_degC = {};
+  const auto cold = ValidateConstantCurrents(wrong, {log});
+  EXPECT_LT(cold[0].predicted_s, 0.98 * cold[0].measured_s);
+}
+
 TEST(ConstantCurrentValidation, ACellThatNeverEndsHasNoTime) {
   const LoadedLog log = Discharged(Truth(), 3.0);
   Cell endless = Truth();

@@ -9,11 +9,13 @@ import itertools
 import json
 import math
 import os
+import shlex
 import signal
 import socket
 import sqlite3
 import subprocess
 import sys
+import threading
 import time
 import types
 from collections.abc import Iterator, Sequence
@@ -269,6 +271,9 @@ def test_a_changed_reference_is_another_option(
     reference.write_text(json.dumps(cell))
     assert main(words) == 2
     assert "--replace to do every campaign again" in capsys.readouterr().err
+    # The summary is not that of the run before.
+    assert told_in(told)["exit_code"] == 2
+    assert "--replace" in told_in(told)["error"]["message"]
     assert main([*words, "--replace"]) in (0, 1)
     assert told_in(told)["kept"] == 0
     # A shipped cell goes by its name, as with lipoid identify.
@@ -276,6 +281,32 @@ def test_a_changed_reference_is_another_option(
     assert main([*words[:-1], "gifi-600mAh-1"]) in (0, 1)
     (row,) = rows(tmp_path / "shipped.sqlite").values()
     assert row["status"] == "done", row["reason"]
+
+
+@pytest.mark.parametrize("nobody", ["2>&-", "2>/dev/full", ">&- 2>&- <&-"])
+def test_nobody_need_read_the_messages(nobody: str, cells: Path, tmp_path: Path) -> None:
+    results, summary = tmp_path / "r.sqlite", tmp_path / "summary.json"
+    words = [sys.executable, "-m", "lipoid.fleet", str(cells / "batch-0" / "cell-0"), "-o"]
+    words += [str(results), "--summary", str(summary), *STAGED[:2]]
+    run = subprocess.run(["sh", "-c", f"{shlex.join(words)} {nobody}"], check=False)
+    assert (run.returncode, told_in(summary)["exit_code"]) == (0, 0)
+    assert not Path(f"{results}-wal").exists()
+    assert len(rows(results)) == 1
+
+
+def test_a_lock_is_waited_for(cells: Path, tmp_path: Path) -> None:
+    one, results = str(cells / "batch-0" / "cell-0"), tmp_path / "r.sqlite"
+    assert main([one, "-o", str(results), *STAGED]) == 0
+    with sqlite3.connect(results) as database:
+        database.execute("DELETE FROM campaigns")
+    locked = sqlite3.connect(results, isolation_level=None, check_same_thread=False)
+    locked.execute("BEGIN IMMEDIATE")
+    release = threading.Timer(7.0, lambda: locked.execute("ROLLBACK"))  # SQLite itself waits for 5
+    release.start()
+    assert main([one, "-o", str(results), *STAGED]) == 0
+    release.join()
+    locked.close()
+    assert len(rows(results)) == 1
 
 
 def test_files_that_are_gone_are_not_the_same(tmp_path: Path) -> None:
@@ -574,6 +605,7 @@ def test_columns_of_a_table_lose_nothing(
         (["--fix", "bta=1"], "bta"),
         (["--query", "SELECT 1"], "--query needs one SOURCE that is a database"),
         (["--scheduler", "tcp://127.0.0.1:1"], "no scheduler answers"),
+        (["--scheduler", "junk"], "--scheduler: expected an address as tcp://HOST:8786"),
         (["--summary", "/no/such/folder/s.json"], "cannot be written"),
     ],
 )
@@ -794,7 +826,8 @@ def test_a_signal_stops_and_the_same_command_goes_on(
     cells: Path, undisturbed: Path, tmp_path: Path
 ) -> None:
     results = tmp_path / "results.sqlite"
-    words = [cells, "-o", results, "--method", "staged", "--workers", 1]
+    summary = tmp_path / "summary.json"
+    words = [cells, "-o", results, "--method", "staged", "--workers", 1, "--summary", summary]
     process = start("lipoid.fleet", *words)
     wait_for_rows(results, 1, process)
     process.send_signal(signal.SIGSTOP)  # at once: a fast machine needs little longer for the rest
@@ -809,6 +842,8 @@ def test_a_signal_stops_and_the_same_command_goes_on(
     if process.returncode == -signal.SIGINT:  # it was not quicker than the signal
         assert "the same command goes on" in told
         assert written < CELLS
+        assert told_in(summary)["exit_code"] == 128 + signal.SIGINT
+        assert told_in(summary)["done"] == written
     end = time.monotonic() + 5.0  # init takes its time to bury what was killed
     while left := [one for one in running if Path(f"/proc/{one}").exists()]:
         assert time.monotonic() < end, left
@@ -1099,6 +1134,15 @@ def test_columns_that_no_result_has_are_refused(
     undisturbed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     report = ["report", str(undisturbed), "-o", str(tmp_path / "r.csv")]
+    table = tmp_path / "fl.csv"
+    table.write_text("campaign,batch\nc1,7\n")
+    for option in ("--outliers", "--drift", "-o"):  # the last of -o counts
+        assert main([*report, option, str(table)]) == 2
+        assert "is there and holds something else" in capsys.readouterr().err
+    assert table.read_text() == "campaign,batch\nc1,7\n"
+    for _ in range(2):  # what is there is its own the second time
+        told = ["--outliers", str(tmp_path / "o.csv"), "--drift", str(tmp_path / "d.csv")]
+        assert main([*report, *told]) == 0
     assert main([*report, "--batch", "btach"]) == 2
     assert "--batch: expected a column of the results, none; found btach" in capsys.readouterr().err
     assert main([*report, "--batch", "batch", "--age", "age"]) == 0

@@ -30,7 +30,7 @@ FUNCTIONS: dict[str, tuple[Callable[[], list[Description]], str, set[str], set[s
     "read_log": (
         lambda: _core.describe_reading(True),
         "inspect",
-        {"all", "write_campaign", "series", "parallel"},
+        {"all", "write_campaign", "series", "parallel", "cutoff_V"},
         # Keys of a log in a campaign file.
         {"start_s", "end_s", "lead_resistance_Ohm", "steps", "cycles", "voltage_optional"},
     ),

@@ -438,6 +438,14 @@ class Bench(unittest.TestCase):
         self.assertIsNone(state["problems"])
         self.assertEqual(state["drafted"]["cutoff_V"], 2.5)
 
+    def test_the_cut_off_that_is_said_decides_which_discharges_are_whole(self):
+        state = self.serve.drop(LAB / "cc_0p5c.csv", LAB / "low_rate.csv", LAB / "pulse.csv")
+        self.assertFalse(state["rows"][0]["left_out"])
+        self.serve.post("api/change", {"cell": {"cutoff_V": 2.3}})
+        self.assertRegex(self.serve.inspected()["rows"][0]["left_out"], r"^ends at 2\.\d+ V, above the cut-off$")
+        self.serve.post("api/change", {"cell": {"cutoff_V": None}})
+        self.assertFalse(self.serve.inspected()["rows"][0]["left_out"])
+
     def test_says_what_is_wrong_as_the_command_does(self):
         bad = SCRATCH / "bad.csv"
         bad.write_text("time_s,current_A,voltage_V\n0,0,4.1\n1,1,4.0\n2,abc,3.9\n")
@@ -595,6 +603,7 @@ class Jobs(unittest.TestCase):
                                                          ["set", "pulses.terms=5"]])
         job = self.serve.done(first)
         self.assertEqual((job["status"], job["exit_code"]), ("done", 0), job)
+        self.assertRegex(job["verdict"], r"^the lab's predicts its own logs to .* mV \(.* %\): (good|fair|poor)")
         names = [each["name"] for each in job["outputs"]]
         for name in ("cell.json", "campaign.toml", "summary.json", "output.txt"):
             self.assertIn(name, names)

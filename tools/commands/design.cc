@@ -135,10 +135,10 @@ std::string AtBoundText(const std::vector<GainBound>& at_bound, std::string_view
         fmt::join(options, ", ")));
   }
   if (!least.empty()) {
-    sentences.push_back(
-        fmt::format("{} ended at its lower bound: {}. This maneuver gains nothing by it",
-                    what,
-                    fmt::join(least, ", ")));
+    sentences.push_back(fmt::format(
+        "{} ended at its lower bound, to a ten-thousandth of the upper one: {}. This maneuver gains nothing by it",
+        what,
+        fmt::join(least, ", ")));
   }
   return fmt::format("{}", fmt::join(sentences, "; "));
 }

@@ -382,6 +382,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   bool all_segments = false;
   ReadingRequest reading;
   LoggedPackRequest pack;
+  std::optional<double> cutoff_V;
   line.Describe(
       "Says what is in logs: format, sampling, sign, what was dropped, segments of rest and load, "
       "and the kind of test that each looks like.",
@@ -395,6 +396,10 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   line.Flag("all", all_segments, "print every segment, however many there are");
   line.Each(reading);
   line.Each(pack);
+  line.Option("cutoff-V",
+              cutoff_V,
+              Range{0.0, 100.0},
+              "voltage of one cell that ends a discharge, instead of finding it");
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
@@ -437,11 +442,13 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   cli::TablesForPaper::About("");
   if (files.size() > 1) PrintOverview(line, files);
   const bool a_file = !campaign_file.empty() && campaign_file != "/dev/stdout";
-  const auto draft =
-      DraftCampaign(files,
-                    FolderName(words.front()),
-                    a_file ? campaign_file : "campaign.toml",
-                    {.read = read, .series = pack.series, .parallel = pack.parallel.value_or(1)});
+  const auto draft = DraftCampaign(files,
+                                   FolderName(words.front()),
+                                   a_file ? campaign_file : "campaign.toml",
+                                   {.read = read,
+                                    .series = pack.series,
+                                    .parallel = pack.parallel.value_or(1),
+                                    .cutoff_V = cutoff_V});
   const bool no_draft = !campaign_file.empty() && draft.entries.empty();
   if (no_draft) {
     line.Problem(LoadError(NoFile("lipoid inspect"), NoDraft(files)));

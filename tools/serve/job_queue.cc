@@ -66,6 +66,13 @@ std::string Beginning(const std::string& file) {
   return text;
 }
 
+// The lines before the first empty one, as one.
+std::string FirstParagraph(const std::string& text) {
+  std::string paragraph = text.substr(0, text.find("\n\n"));
+  std::replace(paragraph.begin(), paragraph.end(), '\n', ' ');
+  return paragraph;
+}
+
 }  // namespace
 
 const std::vector<std::string>& OutputNames() {
@@ -177,6 +184,7 @@ Json JobQueue::ToJson() const {
     if (!Waits(job.status)) {
       json["exit_code"] = job.end.exit_code;
       json["message"] = job.message;
+      if (!job.verdict.empty()) json["verdict"] = job.verdict;
       json["outputs"] = Json::array();
       for (const std::string& name : OutputNames()) {
         std::error_code none;
@@ -288,6 +296,8 @@ void JobQueue::Run(int id) {
   job.ended_s = Now_s();
   const bool done = end.exit_code == 0 || end.exit_code == 1;
   job.status = done ? JobStatus::kDone : end.stopped ? JobStatus::kCancelled : JobStatus::kFailed;
+  if (done && job.plan.about.value("command", "") != "fly")
+    job.verdict = FirstParagraph(Beginning(child.output_file));
 }
 
 }  // namespace lipoid

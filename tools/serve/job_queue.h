@@ -76,6 +76,7 @@ class JobQueue {
     double ended_s = 0.0;
     ChildEnd end;
     std::string message;
+    std::string verdict;  ///< what identify and validate print first
   };
 
   [[nodiscard]] std::string FolderOf(int id) const;

@@ -91,6 +91,12 @@ std::vector<std::string> CellSettings::PackArguments() const {
   return arguments;
 }
 
+std::vector<std::string> CellSettings::DraftArguments() const {
+  std::vector<std::string> arguments = PackArguments();
+  if (cutoff_V) arguments.push_back(fmt::format("--cutoff-V={}", *cutoff_V));
+  return arguments;
+}
+
 void ReadingSettings::Change(const Json& change) {
   OnlyKeys(change, {"columns", "units", "current_sign", "hold", "battery"});
   Json changed = said_;

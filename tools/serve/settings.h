@@ -41,6 +41,8 @@ struct CellSettings {
   [[nodiscard]] Json ToJson() const;
   /// Of the pack, for `lipoid inspect` and `lipoid validate`.
   [[nodiscard]] std::vector<std::string> PackArguments() const;
+  /// The same, and by what a draft knows its discharges.
+  [[nodiscard]] std::vector<std::string> DraftArguments() const;
 };
 
 /// What a person says of a test; what is not said is as lipoid finds it.

@@ -267,8 +267,8 @@ void Workbench::Change(const Json& change) {
       }
     }
     // All of it is right; from here on nothing is refused. The draft divides by the pack.
-    const bool other_pack = cell.series != cell_.series || cell.parallel != cell_.parallel;
-    if (other_pack || change.contains("reading")) InspectAgain();
+    const bool other_draft = cell.DraftArguments() != cell_.DraftArguments();
+    if (other_draft || change.contains("reading")) InspectAgain();
     cell_ = std::move(cell);
     reading_ = std::move(reading);
     said_ = std::move(said);
@@ -281,7 +281,7 @@ std::vector<std::string> Workbench::InspectArguments(const std::vector<int>& ids
   std::vector<std::string> arguments = {"inspect"};
   for (const int id : ids) arguments.push_back(files_.at(id).name);
   arguments.push_back(fmt::format("--summary=../{}", kSummary));
-  for (std::string& argument : cell_.PackArguments()) arguments.push_back(std::move(argument));
+  for (std::string& argument : cell_.DraftArguments()) arguments.push_back(std::move(argument));
   for (std::string& argument : reading_.Arguments()) arguments.push_back(std::move(argument));
   return arguments;
 }

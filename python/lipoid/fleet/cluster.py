@@ -81,6 +81,19 @@ def here(workers: int) -> Iterator[Any]:
             cluster.close()
 
 
+def check(address: str) -> None:
+    """Refuse what is no address before anything is waited for: dask itself waits half a minute."""
+    _distributed()
+    from distributed.comm.addressing import parse_address, parse_host_port
+
+    try:
+        scheme, place = parse_address(address)
+        if scheme in ("tcp", "tls"):
+            parse_host_port(place)
+    except ValueError as error:
+        raise UsageError(f"--scheduler: expected an address as tcp://HOST:8786 ({error})") from None
+
+
 @contextlib.contextmanager
 def at(address: str) -> Iterator[Any]:
     """Yield the client of a scheduler that runs."""

@@ -15,7 +15,7 @@ import lipoid
 from lipoid.errors import LoadError, OptionError
 from lipoid.fleet import cluster, options
 from lipoid.fleet.driver import Counts, Progress, Run, Signals, duration, options_text
-from lipoid.fleet.errors import BAD_INPUT, DONE, INCOMPLETE, USAGE, Stopped, UsageError
+from lipoid.fleet.errors import BAD_INPUT, DONE, INCOMPLETE, USAGE, Stopped, UsageError, say
 from lipoid.fleet.files import STANDARD_OUTPUT, check_writable, write_text
 from lipoid.fleet.results import Results
 from lipoid.fleet.sources import find, paths
@@ -150,6 +150,8 @@ def _settings(given: argparse.Namespace) -> Settings:
         raise UsageError(f"--time-limit-s: expected 0 .. 1e9, found {given.time_limit_s:g}")
     if not 0 <= given.retries <= 1000:
         raise UsageError(f"--retries: expected 0 .. 1000, found {given.retries}")
+    if given.scheduler:
+        cluster.check(given.scheduler)
     if not 0 <= given.workers <= 4096:
         raise UsageError(f"--workers: expected 0 .. 4096, found {given.workers}")
     return Settings(
@@ -185,7 +187,7 @@ def _is_summary(begin: bytes) -> bool:
         told = json.loads(begin)
     except ValueError:
         return False
-    return isinstance(told, dict) and {"campaigns", "written", "wall_s"} <= told.keys()
+    return isinstance(told, dict) and told.get("command") == PROG
 
 
 def _sentence(counts: Counts, output: str) -> str:
@@ -206,9 +208,16 @@ def _sentence(counts: Counts, output: str) -> str:
     return f"{text}. Results: {output}"
 
 
-def _summary(counts: Counts, wall_s: float, code: int) -> dict[str, Any]:
-    said = {**vars(counts), "written": counts.written, "wall_s": wall_s}
-    return {"command": PROG, "exit_code": code, **said}
+def _write_summary(given: argparse.Namespace, code: int, **said: Any) -> None:
+    """Say what became of the run, also where it ended early: a file of an earlier one would lie."""
+    if given.summary:
+        told = {"command": PROG, "exit_code": code, **said}
+        write_text(given.summary, json.dumps(told, indent=2) + "\n")
+
+
+def _of(counts: Counts, began_s: float) -> dict[str, Any]:
+    wall_s = time.monotonic() - began_s
+    return {**vars(counts), "written": counts.written, "wall_s": wall_s}
 
 
 def _pace(counts: Counts, wall_s: float) -> str:
@@ -223,16 +232,26 @@ def _tell_unreadable(folders: list[str]) -> None:
     if not folders:
         return
     counted = "1 folder" if len(folders) == 1 else f"{len(folders)} folders"
-    print(f"{PROG}: {counted} cannot be read; campaigns in there are left out:", file=sys.stderr)
+    say(f"{PROG}: {counted} cannot be read; campaigns in there are left out:")
     for one in folders[:MOST_SHOWN]:
-        print(f"  {one}", file=sys.stderr)
+        say(f"  {one}")
     if len(folders) > MOST_SHOWN:
-        print(f"  and {len(folders) - MOST_SHOWN} more", file=sys.stderr)
+        say(f"  and {len(folders) - MOST_SHOWN} more")
 
 
 def _run(given: argparse.Namespace) -> int:
-    settings = _settings(given)
     _check_outputs(given)
+    try:
+        return _identify(given, _settings(given))
+    except (LoadError, UsageError, OptionError) as error:
+        bad_input = isinstance(error, LoadError)
+        kind = "bad-input" if bad_input else "usage"
+        told = {"kind": kind, "message": str(error)}
+        _write_summary(given, BAD_INPUT if bad_input else USAGE, error=told)
+        raise
+
+
+def _identify(given: argparse.Namespace, settings: Settings) -> int:
     if given.parquet:
         from lipoid.fleet import parquet
 
@@ -269,22 +288,22 @@ def _run(given: argparse.Namespace) -> int:
         raise UsageError(f"{given.output}: cannot be written: {error}") from None
     except KeyboardInterrupt:
         if not given.quiet:
-            print(f"{_sentence(run.counts, given.output)}", file=sys.stderr)
-            print("Stopped; the same command goes on from here.", file=sys.stderr)
+            say(f"{_sentence(run.counts, given.output)}")
+            say("Stopped; the same command goes on from here.")
+        _write_summary(given, 128 + signals.got, **_of(run.counts, began_s))
         _end_by(signals.got)
     counts = run.counts
-    wall_s = time.monotonic() - began_s
     unusable = counts.failed + counts.not_converged + counts.poor + counts.kept_unusable
     code = INCOMPLETE if ended or unusable else DONE
-    if given.summary:
-        write_text(given.summary, json.dumps(_summary(counts, wall_s, code), indent=2) + "\n")
+    said = _of(counts, began_s)
+    _write_summary(given, code, **said)
     if given.parquet:
         parquet.write(given.output, given.parquet)
     if ended:
-        print(f"{PROG}: error: {ended}; the same command goes on", file=sys.stderr)
+        say(f"{PROG}: error: {ended}; the same command goes on")
     if not given.quiet:
-        print(_sentence(counts, given.output), file=sys.stderr)
-        print(_pace(counts, wall_s), file=sys.stderr)
+        say(_sentence(counts, given.output))
+        say(_pace(counts, said["wall_s"]))
     return code
 
 
@@ -301,9 +320,21 @@ def _report(words: list[str]) -> int:
     return report.command(words)
 
 
+def _open_standard_streams() -> None:
+    """Lead to nowhere what a daemon has closed: the next file that is opened would be it."""
+    for number in (0, 1, 2):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # the lowest number that is free: this one
+    sys.stdout = sys.stdout or open(1, "w", closefd=False)  # noqa: SIM115 (as long as the program)
+    sys.stderr = sys.stderr or open(2, "w", closefd=False)  # noqa: SIM115
+
+
 def main(words: list[str] | None = None) -> int:
     """Run the command; return its exit code."""
     given = sys.argv[1:] if words is None else words
+    _open_standard_streams()
     # The processes of the cluster take no modules from the folder in which one happens to be.
     os.environ.setdefault("PYTHONSAFEPATH", "1")
     try:
@@ -311,10 +342,10 @@ def main(words: list[str] | None = None) -> int:
             return _report(given[1:])
         return _run(_parser().parse_args(given))
     except LoadError as error:
-        print(error, file=sys.stderr)
+        say(str(error))
         return BAD_INPUT
     except (UsageError, OptionError) as error:
-        print(f"{PROG}: error: {error}", file=sys.stderr)
+        say(f"{PROG}: error: {error}")
         return USAGE
 
 

@@ -19,7 +19,7 @@ from types import FrameType
 from typing import Any
 
 import lipoid
-from lipoid.fleet.errors import Stopped
+from lipoid.fleet.errors import Stopped, say
 from lipoid.fleet.options import files
 from lipoid.fleet.results import Results, Row
 from lipoid.fleet.sources import Source, metadata_text
@@ -148,12 +148,12 @@ class Progress:
             text += f", {counts.failed} failed"
         if per_s > 0.0:
             text += f", {per_s:.3g} per second, {duration((self.total - behind) / per_s)} left"
-        print(f"\r\x1b[K{text[:100]}", end="", file=sys.stderr, flush=True)
+        say(f"\r\x1b[K{text[:100]}", end="")
 
     def clear(self) -> None:
         """Leave nothing on the screen."""
         if self.shown:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+            say("\r\x1b[K", end="")
 
 
 def duration(time_s: float) -> str:

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
+import sys
+
 DONE = 0
 INCOMPLETE = 1  # a campaign failed or did not converge, or the run ended early
 USAGE = 2
 BAD_INPUT = 3
 INTERNAL = 4  # a mistake of lipoid
+
+
+def say(text: str, end: str = "\n") -> None:
+    """Print to the standard error. Where that is full or nobody reads it, the work goes on."""
+    with contextlib.suppress(OSError):
+        print(text, end=end, file=sys.stderr, flush=True)
 
 
 class UsageError(Exception):

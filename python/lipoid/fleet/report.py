@@ -6,7 +6,6 @@ import argparse
 import json
 import os
 import sqlite3
-import sys
 from html import escape
 
 import numpy as np
@@ -15,7 +14,7 @@ import pandas as pd
 import lipoid
 from lipoid.errors import LoadError
 from lipoid.fleet import options, page, spread
-from lipoid.fleet.errors import DONE, UsageError
+from lipoid.fleet.errors import DONE, UsageError, say
 from lipoid.fleet.files import STANDARD_OUTPUT, check_writable, write_text
 from lipoid.fleet.results import open_for_reading
 from lipoid.fleet.spread import Fleet, Quantity
@@ -132,7 +131,14 @@ def _check(given: argparse.Namespace) -> None:
         if other := seen.get(os.path.realpath(output)):
             raise UsageError(f"{output} would overwrite {other}")
         seen[os.path.realpath(output)] = output
-        check_writable(output)
+        check_writable(output, _is_report)
+
+
+def _is_report(begin: bytes) -> bool:
+    """Whether this command wrote a file that begins so: no table of campaigns is lost to it."""
+    first = begin.partition(b"\n")[0].strip()
+    tables = (b"name,unit,", b"campaign,name,unit,")
+    return first in (b"", b'""', b"<!doctype html>") or first.startswith(tables)
 
 
 def _check_columns(database: sqlite3.Connection, given: argparse.Namespace) -> None:
@@ -188,12 +194,11 @@ def command(words: list[str]) -> int:
         text = pd.concat(both).to_csv(index=False) if both else "name,unit,over\n"
         write_text(given.drift, text)
     for caveat in fleet.caveats:
-        print(f"lipoid-fleet report: warning: {caveat}", file=sys.stderr)
+        say(f"lipoid-fleet report: warning: {caveat}")
     cells = outliers["campaign"].nunique() if len(outliers) else 0
-    print(
+    say(
         f"{fleet.cells} cells, {len(failed)} failed; {cells} stand out by more than chance lets "
-        f"{sigmas:g} standard deviations",
-        file=sys.stderr,
+        f"{sigmas:g} standard deviations"
     )
     return DONE
 

@@ -19,6 +19,9 @@ import lipoid
 from lipoid.fleet.errors import UsageError
 from lipoid.fleet.sources import Source, metadata_text
 
+# How long a person who looks, or changes, may hold the file.
+LOCKED_S = 60.0
+
 APPLICATION = 0x6C69706F  # "lipo", in the header of the file
 SCHEMA = 1
 SCHEMA_NAME = "lipoid.fleet/1"
@@ -151,7 +154,7 @@ class Results:
         if os.path.isdir(self.file):
             raise UsageError(f"{self.file}: expected a file for the results, found a folder")
         made = not os.path.exists(self.file) or os.path.getsize(self.file) == 0
-        self.database = sqlite3.connect(self.file, isolation_level=None)
+        self.database = sqlite3.connect(self.file, timeout=LOCKED_S, isolation_level=None)
         try:
             self._prepare(made, options, replace)
         except BaseException:

@@ -282,6 +282,19 @@ TEST(Draft, ReadsTheStartOfALogFromTheLowRateOne) {
                                 "does not start full, say its `initial_soc`."}));
 }
 
+TEST(Draft, AGivenCutoffSaysWhichDischargesAreWhole) {
+  const std::vector<InspectedFile> files{Inspected("2c.csv", Falling(4.2, 4.0, 1700.0, 2.81)),
+                                         Inspected("1c.csv", Falling(4.2, 2.0, 3600.0, 2.965))};
+  const auto found = DraftCampaign(files, "lab", "campaign.toml");
+  ASSERT_NEAR(*found.campaign.cutoff_V, 2.81, 0.02);
+  ASSERT_EQ(found.campaign.logs.size(), 1u);
+  const auto given = DraftCampaign(files, "lab", "campaign.toml", {.cutoff_V = 3.0});
+  EXPECT_EQ(given.campaign.cutoff_V, 3.0);
+  EXPECT_EQ(given.campaign.logs.size(), 2u);
+  EXPECT_EQ(DraftCampaign(files, "lab", "campaign.toml", {.cutoff_V = 2.5}).entries[0].left_out,
+            "ends at 2.81 V, above the cut-off");
+}
+
 TEST(Draft, AFullCellRestsLowerInTheCold) {
   std::vector<InspectedFile> files{Inspected("warm.csv", Falling(4.2, 2.0, 3600.0, 3.0)),
                                    Inspected("cold.csv", Falling(4.15, 2.0, 3600.0, 3.0)),

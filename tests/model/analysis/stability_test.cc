@@ -230,7 +230,7 @@ TEST(Stability, AFlightIsCheckedFullAndEmpty) {
   const auto warnings = StabilityWarnings(hovers);
   ASSERT_EQ(warnings.size(), 3U);
   EXPECT_EQ(warnings[0].substr(0, warnings[0].find(':')),
-            "the altitude loop is unstable at xi = 0.714 (lowest voltage)");
+            "the altitude loop is unstable at xi = 0.714 (lowest voltage allowed)");
   EXPECT_EQ(warnings[2].find("the position loop rings at 1.0"), 0U) << warnings[2];
   // Compensated commands make every voltage the nominal one.
   setup.controller.compensate = true;

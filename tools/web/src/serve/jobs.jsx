@@ -69,6 +69,7 @@ function Job({ job, selected, compared, act }) {
           <span class="hint">{job.doing}</span>
         </div>
       )}
+      {job.verdict && <p>{job.verdict}</p>}
       {job.message && <pre class={job.status === "done" ? "message" : "error"}>{job.message}</pre>}
       {job.outputs && job.status === "done" && <Outputs job={job} />}
       <div class="row buttons">
