@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/constant_current_validation.h"
+#include "identify/exchanged_temperatures.h"
 #include "identify/fit_doubts.h"
 #include "identify/health/flights_report.h"
 #include "identify/health/health_report.h"
@@ -490,6 +491,10 @@ Identification Identify(const Campaign& campaign,
   NoteOnToldTemperatures(found, logs);
   if (auto doubt = DoubtAboutStillTemperatures(found.cell, logs); !doubt.empty())
     found.log_notes.push_back(std::move(doubt));
+  if (found.joint) {
+    if (auto doubt = DoubtAboutExchangedTemperatures(found.joint->fitted, logs); !doubt.empty())
+      found.log_notes.push_back(std::move(doubt));
+  }
   if (auto doubt = DoubtAboutDischarges(FullDischarges(found, logs)); !doubt.empty())
     found.log_notes.push_back(std::move(doubt));
   return found;

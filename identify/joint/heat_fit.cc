@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
@@ -21,6 +22,9 @@ struct Warming {
   std::vector<double> above_K;
 };
 
+// After a step of the current diffusion and branches grow from nothing, within a row or two where rows are far apart.
+constexpr std::array kAfterAChange{1.0 / 256.0, 1.0 / 64.0, 1.0 / 16.0, 0.25, 0.5};
+
 Warming WarmingOf(const Cell& cell, const LoadedLog& log) {
   const Record& record = log.log.record;
   const CellModel<double> model(cell.Parameters());
@@ -31,15 +35,36 @@ Warming WarmingOf(const Cell& cell, const LoadedLog& log) {
   const double ambient_degC =
       log.ambient_doubted ? first_degC : log.entry.ambient_degC.value_or(first_degC);
   Warming of;
+  double flowed_before_A = 0.0;
   for (std::size_t k = 0; k < record.size(); ++k) {
-    const double flowed_A =
-        k == 0 ? 0.0 : record.current_A[record.hold == Hold::kBackward ? k : k - 1];
-    const double at_first_W = model.Heat(stepper.state(), flowed_A);
-    stepper.Row(record.time_s[k], record.current_A[k]);
-    stepper.SetTemperature(record.temperature_degC[k] + kZeroCelsius_K);
-    of.dt_s.push_back(k == 0 ? 0.0 : record.time_s[k] - record.time_s[k - 1]);
-    // As CellModel::Advance() has it.
-    of.heat_W.push_back(0.5 * (at_first_W + model.Heat(stepper.state(), flowed_A)));
+    const double now_K = record.temperature_degC[k] + kZeroCelsius_K;
+    double dt_s = 0.0;
+    double mean_W = 0.0;
+    if (k == 0) {
+      stepper.Row(record.time_s[k], record.current_A[k], now_K);
+    } else {
+      const double flowed_A = record.current_A[record.hold == Hold::kBackward ? k : k - 1];
+      const double before_K = record.temperature_degC[k - 1] + kZeroCelsius_K;
+      dt_s = record.time_s[k] - record.time_s[k - 1];
+      double at = 0.0;
+      double at_W = model.Heat(stepper.state(), flowed_A);
+      // To this share of the step.
+      const auto advance = [&](double to, double time_s, double current_A) {
+        stepper.Row(time_s, current_A, before_K + to * (now_K - before_K));
+        const double then_W = model.Heat(stepper.state(), flowed_A);
+        mean_W += (to - at) * 0.5 * (at_W + then_W);
+        at_W = then_W;
+        at = to;
+      };
+      if (flowed_A != flowed_before_A) {
+        for (const double to : kAfterAChange)
+          advance(to, record.time_s[k - 1] + to * dt_s, flowed_A);
+      }
+      advance(1.0, record.time_s[k], record.current_A[k]);
+      flowed_before_A = flowed_A;
+    }
+    of.dt_s.push_back(dt_s);
+    of.heat_W.push_back(mean_W);
     of.above_K.push_back(record.temperature_degC[k] - ambient_degC);
   }
   return of;

@@ -284,13 +284,15 @@ TEST(Draft, ReadsTheStartOfALogFromTheLowRateOne) {
 
 TEST(Draft, AGivenCutoffSaysWhichDischargesAreWhole) {
   const std::vector<InspectedFile> files{Inspected("2c.csv", Falling(4.2, 4.0, 1700.0, 2.81)),
+                                         Inspected("3c.csv", Falling(4.2, 6.0, 1100.0, 2.812)),
+                                         Inspected("4c.csv", Falling(4.2, 8.0, 800.0, 2.815)),
                                          Inspected("1c.csv", Falling(4.2, 2.0, 3600.0, 2.965))};
   const auto found = DraftCampaign(files, "lab", "campaign.toml");
   ASSERT_NEAR(*found.campaign.cutoff_V, 2.81, 0.02);
-  ASSERT_EQ(found.campaign.logs.size(), 1u);
+  ASSERT_EQ(found.campaign.logs.size(), 3u);
   const auto given = DraftCampaign(files, "lab", "campaign.toml", {.cutoff_V = 3.0});
   EXPECT_EQ(given.campaign.cutoff_V, 3.0);
-  EXPECT_EQ(given.campaign.logs.size(), 2u);
+  EXPECT_EQ(given.campaign.logs.size(), 4u);
   EXPECT_EQ(DraftCampaign(files, "lab", "campaign.toml", {.cutoff_V = 2.5}).entries[0].left_out,
             "ends at 2.81 V, above the cut-off");
 }
