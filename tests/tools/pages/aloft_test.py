@@ -9,6 +9,7 @@ from page import PROJECT, PageTest, main
 CELL = "gifi-600mAh-1"
 SOLO = PROJECT / "fixtures" / "flights" / "log171.bin"
 
+TEXT = "return document.querySelector('main').innerText"
 ROWS = "return [...document.querySelectorAll('tbody')[0].rows].map(row => [...row.cells].map(cell => cell.textContent))"
 CHARTS = """return [...document.querySelectorAll('.chart')].map((figure) => ({
   title: figure.querySelector('.title').textContent,
@@ -61,13 +62,27 @@ class Aloft(PageTest):
         rows = page.run(ROWS)
         self.assertEqual([row[0] for row in rows], logs)
         for row, one in zip(rows, summary["flights"]):
-            self.assertAlmostEqual(float(row[4]), one["capacity_Ah"], delta=5e-3 * one["capacity_Ah"])
-            self.assertAlmostEqual(float(row[6]), 1e3 * one["resistance_Ohm"], delta=5.0 * one["resistance_Ohm"])
+            self.assertAlmostEqual(float(row[2]), 100 * one["soc_start"], delta=0.1)
+            low, high = (float(end) for end in row[3].replace("−", "-").split(" to "))
+            self.assertTrue(low < float(row[2]) < high)
+            self.assertAlmostEqual(float(row[6]), one["capacity_Ah"], delta=5e-3 * one["capacity_Ah"])
+            self.assertAlmostEqual(float(row[8]), 1e3 * one["resistance_Ohm"], delta=5.0 * one["resistance_Ohm"])
         charts = {chart["title"]: chart["data"] for chart in page.run(CHARTS)}
         # Copies of a flight say nothing new: the trend leaves them out, and their places are empty.
         data = charts["Capacity as the sensor counts it, over the flights"]
         self.assertEqual(data[0], [1, 2, 3])
         self.assertEqual(data[1], [summary["flights"][0]["counted_capacity_Ah"], None, None])
+
+    def test_flights_alone_say_what_their_errors_are_of_and_what_they_do_not_tell(self):
+        self.lipoid("identify", "--flight", SOLO, "--series", 4, "--capacity-Ah", 5.2, "-o", "cell.json",
+                    "--report", "page.html", "--summary", "s.json")
+        summary = json.loads((self.folder / "s.json").read_text())
+        text = self.open("page.html").run(TEXT)
+        self.assertRegex(summary["flights"]["averaged"], r"^of means over \d.* s, with the lag of the voltage put back$")
+        self.assertIn(summary["flights"]["averaged"], text)
+        for caution in summary["flights"]["cautions"]:
+            self.assertIn(caution, text)
+        self.assertNotIn("charge alpha", text)
 
     def test_health_says_which_flight_is_doubted(self):
         self.lipoid("health", "--cell", CELL, "--capacity-Ah", 5.2, "--series", 3, SOLO,

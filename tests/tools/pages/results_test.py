@@ -41,7 +41,7 @@ class Results(PageTest):
             rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
         voltage, current, soc = page.run(CHARTS)
         self.assertEqual([chart["title"] for chart in (voltage, current, soc)],
-                         ["Voltage", "Current, discharge positive", "State of charge"])
+                         ["Voltage", "Current, discharge positive", "Available state of charge A"])
         for k, name in enumerate(("time_s", "voltage_V", "voltage_low_V", "voltage_high_V", "open_circuit_V")):
             self.same(voltage["data"][k], [row[name] for row in rows])
         self.same(current["data"][1], [row["current_A"] for row in rows])
