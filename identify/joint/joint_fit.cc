@@ -483,8 +483,6 @@ std::vector<double> JointFit::BetaGrid(const JointStructure& structure,
   return {Base(structure).beta_per_sqrt_s};
 }
 
-constexpr double kAlphaBeside = 1.04;
-
 std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
                                             const JointRates* near) const {
   std::vector<JointRates> grid{Base(structure)};
@@ -515,12 +513,7 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
     JointRates known = near == nullptr ? JointRates{} : *near;
     known.branch_J_per_mol.resize(static_cast<std::size_t>(structure.branches),
                                   std::numeric_limits<double>::quiet_NaN());
-    if (const double at = rate.In(known); std::isfinite(at)) {
-      values = {at};
-      // What a neighbour lacked it may have made up for with another charge.
-      if (rate.slot == slots.alpha() && !setup_.held)
-        values = {at / kAlphaBeside, at, at * kAlphaBeside};
-    }
+    if (std::isfinite(rate.In(known))) values = {rate.In(known)};
     if (values.empty()) continue;
     with(Choices(values, 1), [&](JointRates& r, const auto& c) { rate.In(r) = c[0]; });
   }

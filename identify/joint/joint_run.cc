@@ -504,8 +504,57 @@ class JointRun {
     return CutoffOf(solution, result_.logs, result_.setup, *campaign_.cutoff_V);
   }
 
-  // A structure, and how slow and fast its branches may be.
   void ChooseAll() {
+    // The offset of a sensor is seen by what it does to alpha: the two are looked for together.
+    const bool apart = !result_.setup.axis_follows_alpha && !rough_.structure.current_offset;
+    if (free_alpha_ && apart) return ChooseBesideAlpha();
+    ChooseAtAlpha();
+  }
+
+  // What a structure lacks another charge makes up for, and richer ones that are looked for beside it stay in that
+  // valley. So the structure is chosen with alpha held, then alpha is set free, and so on until it stays.
+  void ChooseBesideAlpha() {
+    constexpr int kMostPasses = 3;
+    constexpr double kStays = 0.005;
+    const std::vector<std::string> said = result_.cautions;
+    double alpha_C = source_of_start_ == "low-rate-charge" ? result_.setup.search_about_C
+                                                           : result_.setup.alpha_C;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      result_.cautions = said;
+      diffusion_ = staged_options_.pulses.diffusion;
+      result_.setup.slow_branches = result_.setup.fast_branches = false;
+      free_alpha_ = false;
+      Prepare(alpha_C);
+      ChooseAtAlpha();
+      free_alpha_ = true;
+      if (result_.choice.best.x.size() == 0) return;
+      SetAlphaFree();
+      const double found_C = result_.choice.best.rates.alpha_C;
+      if (std::abs(found_C / alpha_C - 1.0) < kStays) return;
+      alpha_C = found_C;
+    }
+  }
+
+  // In every structure that was tried: their spread is a part of its interval.
+  void SetAlphaFree() {
+    const JointObservations seen(result_.logs, result_.setup);
+    const JointFit fit(seen, known_);
+    std::vector<JointSolution*> held{&result_.choice.best};
+    for (TriedStructure& tried : result_.choice.tried) held.push_back(&tried.solution);
+    ParallelFor(held.size(), [&](std::size_t k) {
+      JointSolution& solution = *held[k];
+      if (solution.x.size() == 0) return;
+      JointStructure structure = solution.structure;
+      structure.free_alpha = true;
+      JointRates rates = solution.rates;
+      rates.alpha_C = result_.setup.alpha_C;
+      solution = fit.Approach(fit.Solve(structure, rates, solution.smoothness));
+    });
+    result_.evaluations += fit.evaluations();
+  }
+
+  // A structure, and how slow and fast its branches may be.
+  void ChooseAtAlpha() {
     Choose(0.3, 0.3);
     if (ShowsNoDiffusion()) ChooseWithoutDiffusion();
     if (WantsSlower()) ChooseAmong(&JointSetup::slow_branches);
