@@ -462,15 +462,21 @@ class JointRun {
       result_.setup.search_about_C = alpha_C = charge_C;
       constexpr int kMostPasses = 5;
       constexpr double kSettled = 1e-3;
-      double rmse_V = kInfinity;
+      double least_V = kInfinity;
+      JointSolution best;
       for (int pass = 0; pass < kMostPasses; ++pass) {
-        rmse_V = search();
+        const double rmse_V = search();
         if (rough_.x.size() == 0) break;
         const double change = std::abs(rough_.rates.alpha_C / alpha_C - 1.0);
         alpha_C = rough_.rates.alpha_C;
+        // With so simple a structure a pass may end in a worse valley than the one before.
+        if (rmse_V < least_V) best = rough_;
+        least_V = std::min(least_V, rmse_V);
         if (change < kSettled) break;
       }
-      if (rough_.x.size() > 0 && rmse_V < kClearlyBetter * rmse_of_cutoff_V) {
+      if (best.x.size() > 0 && least_V < kClearlyBetter * rmse_of_cutoff_V) {
+        rough_ = std::move(best);
+        alpha_C = rough_.rates.alpha_C;
         result_.alpha_source = "least-squares";
       } else {
         alpha_C = cutoff_C;
@@ -516,21 +522,46 @@ class JointRun {
   void ChooseBesideAlpha() {
     constexpr int kMostPasses = 3;
     constexpr double kStays = 0.005;
+    constexpr double kClearlyWorse = 1.1;
+    struct Pass {
+      double alpha_C;
+      bool diffusion, slow_branches, fast_branches;
+      std::vector<std::string> cautions;
+      JointChoice choice;
+    };
     const std::vector<std::string> said = result_.cautions;
+    std::optional<Pass> before;
+    const auto prepare = [&](double alpha_C, bool diffusion, bool slow, bool fast) {
+      diffusion_ = diffusion;
+      Prepare(alpha_C);
+      result_.setup.slow_branches = slow;
+      result_.setup.fast_branches = fast;
+    };
     double alpha_C = source_of_start_ == "low-rate-charge" ? result_.setup.search_about_C
                                                            : result_.setup.alpha_C;
     for (int pass = 0; pass < kMostPasses; ++pass) {
       result_.cautions = said;
-      diffusion_ = staged_options_.pulses.diffusion;
-      result_.setup.slow_branches = result_.setup.fast_branches = false;
+      prepare(alpha_C, staged_options_.pulses.diffusion, false, false);
       free_alpha_ = false;
-      Prepare(alpha_C);
       ChooseAtAlpha();
       free_alpha_ = true;
-      if (result_.choice.best.x.size() == 0) return;
-      SetAlphaFree();
-      const double found_C = result_.choice.best.rates.alpha_C;
-      if (std::abs(found_C / alpha_C - 1.0) < kStays) return;
+      JointChoice& choice = result_.choice;
+      if (choice.best.x.size() > 0) SetAlphaFree();
+      if (before &&
+          !(choice.errors.expected_V < kClearlyWorse * before->choice.errors.expected_V)) {
+        prepare(before->alpha_C, before->diffusion, before->slow_branches, before->fast_branches);
+        result_.cautions = std::move(before->cautions);
+        choice = std::move(before->choice);
+        return;
+      }
+      const double found_C = choice.best.rates.alpha_C;
+      if (!(std::abs(found_C / alpha_C - 1.0) > kStays) || pass + 1 == kMostPasses) return;
+      before = Pass{alpha_C,
+                    diffusion_,
+                    result_.setup.slow_branches,
+                    result_.setup.fast_branches,
+                    std::move(result_.cautions),
+                    std::move(choice)};
       alpha_C = found_C;
     }
   }
