@@ -28,8 +28,8 @@ std::optional<double> TimeToCutoffAsMeasured(const Cell& one,
                                              const LoadedLog& log,
                                              const DischargeTime& measured,
                                              double longest_s) {
-  constexpr double kRows =
-      2000.0;  // of the discharge: straight lines between them are exact enough
+  constexpr double kRows = 2000.0;  // of the discharge; between them lines are straight enough
+  if (!(measured.time_s > 0.0)) return std::nullopt;
   const Record& record = log.log.record;
   const double start_s = FindDischarge(record, one.cutoff_V).start_s;
   const double step_s = measured.time_s / kRows;
@@ -50,7 +50,7 @@ std::optional<double> TimeToCutoffAsMeasured(const Cell& one,
       one, time_s, current_A, Hold::kBackward, log.entry.initial_soc, {.measured_degC = degC});
   const auto& voltage_V = predicted.voltage_V;
   for (std::size_t k = 0; k < count; ++k) {
-    if (voltage_V[k] > one.cutoff_V) continue;
+    if (!(voltage_V[k] <= one.cutoff_V)) continue;
     if (k == 0) return 0.0;
     const double share = (voltage_V[k - 1] - one.cutoff_V) / (voltage_V[k - 1] - voltage_V[k]);
     return time_s[k - 1] + share * step_s;
