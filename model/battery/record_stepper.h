@@ -113,13 +113,8 @@ class RecordStepper {
 
   /// The current that flows from the row last moved to, where it is not that of the row (hold forward).
   void SetFlowing(const T& current_A) { current_A_ = current_A; }
-  /// The same where the temperature of the cell was measured at the row, and at the one before: over the step it
-  /// is taken half-way between the two, for within one the cell may warm by a kelvin and more.
-  void Row(double time_s, const T& current_A, const T& temperature_K) {
-    if (started_) state_.temperature_K = 0.5 * (state_.temperature_K + temperature_K);
-    Row(time_s, current_A);
-    state_.temperature_K = temperature_K;
-  }
+  /// What was measured at the row last moved to.
+  void SetTemperature(const T& temperature_K) { state_.temperature_K = temperature_K; }
 
   [[nodiscard]] const State& state() const { return state_; }
   [[nodiscard]] T Soc() const { return model_.Soc(state_, current_A_); }
