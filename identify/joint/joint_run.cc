@@ -469,9 +469,12 @@ class JointRun {
         if (rough_.x.size() == 0) break;
         const double change = std::abs(rough_.rates.alpha_C / alpha_C - 1.0);
         alpha_C = rough_.rates.alpha_C;
-        // With so simple a structure a pass may end in a worse valley than the one before.
-        if (rmse_V < least_V) best = rough_;
-        least_V = std::min(least_V, rmse_V);
+        // With so simple a structure a pass may end in a worse valley than the one before. Of several temperatures
+        // the last one is kept: which of them is best goes with the order of the logs.
+        if (rmse_V < least_V || !AtOneTemperature()) {
+          best = rough_;
+          least_V = rmse_V;
+        }
         if (change < kSettled) break;
       }
       if (best.x.size() > 0 && least_V < kClearlyBetter * rmse_of_cutoff_V) {
@@ -510,9 +513,16 @@ class JointRun {
     return CutoffOf(solution, result_.logs, result_.setup, *campaign_.cutoff_V);
   }
 
+  // Of the chambers that the logs began in.
+  [[nodiscard]] bool AtOneTemperature() const {
+    return !(result_.logs.start_span_K >= kLeastSpan_K);
+  }
+
   void ChooseAll() {
-    // The offset of a sensor is seen by what it does to alpha: the two are looked for together.
-    const bool apart = !result_.setup.axis_follows_alpha && !rough_.structure.current_offset;
+    // The offset of a sensor is seen by what it does to alpha: the two are looked for together. So is what temperature
+    // does, where the chambers had several: a full cell holds less in the cold, which no start says.
+    const bool apart =
+        !result_.setup.axis_follows_alpha && !rough_.structure.current_offset && AtOneTemperature();
     if (free_alpha_ && apart) return ChooseBesideAlpha();
     ChooseAtAlpha();
   }
