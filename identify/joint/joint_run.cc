@@ -20,6 +20,7 @@
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/charge_axis.h"
+#include "model/battery/typical_temperature.h"
 #include "model/core/parallel.h"
 #include "model/core/special_values.h"
 
