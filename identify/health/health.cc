@@ -505,10 +505,9 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
     return model.StepResistance(unknowns, middle, std::max(step_A, 1e-3), samples.settle_s());
   };
   const ResistanceAt resistance = resistance_of(x);
-  health.new_resistance_Ohm =
-      reference.typical
-          ? kNaN
-          : options.series * resistance_of(Eigen::VectorXd::Zero(model.size())).resistance_Ohm;
+  health.reference_resistance_Ohm =
+      options.series * resistance_of(Eigen::VectorXd::Zero(model.size())).resistance_Ohm;
+  health.new_resistance_Ohm = reference.typical ? kNaN : health.reference_resistance_Ohm;
   // Where a current was measured at another instant than the voltage, a slope of one over the other
   // is too small. The slope the other way round is too large, by the square of the coherence between
   // them: the truth is in between.
@@ -639,13 +638,18 @@ int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given) {
 
 std::optional<HealthTrend> TrendOf(std::span<const FlightHealth> flights,
                                    WithInterval FlightHealth::*counted,
-                                   double FlightHealth::*deviation) {
+                                   double FlightHealth::*deviation,
+                                   double FlightHealth::*reference) {
   std::vector<TrendPoint> points;
+  double last = 1.0;
   for (const FlightHealth& flight : flights) {
     const WithInterval& quantity = flight.*counted;
-    if (quantity.known() && flight.converged && flight.same_rows_as.empty())
-      points.push_back({static_cast<double>(flight.place), quantity.value, flight.*deviation});
+    if (!quantity.known() || !flight.converged || !flight.same_rows_as.empty()) continue;
+    if (reference != nullptr) last = flight.*reference;
+    const double of = reference != nullptr ? last : 1.0;
+    points.push_back({static_cast<double>(flight.place), quantity.value / of, flight.*deviation});
   }
+  for (TrendPoint& point : points) point.value *= last;
   return FitTrend(points);
 }
 
@@ -705,7 +709,8 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
       report.flights, &FlightHealth::counted_capacity_Ah, &FlightHealth::log_capacity_deviation);
   report.resistance_trend = TrendOf(report.flights,
                                     &FlightHealth::counted_resistance_Ohm,
-                                    &FlightHealth::log_resistance_deviation);
+                                    &FlightHealth::log_resistance_deviation,
+                                    &FlightHealth::reference_resistance_Ohm);
   return report;
 }
 

@@ -65,7 +65,8 @@ struct FlightHealth {
   /// Of the pack, at once, at the middle of the charge that the flight took; where the flight tells its
   /// temperature that at the reference's.
   WithInterval resistance_Ohm;
-  double new_resistance_Ohm = kNaN;  ///< the reference's there; NaN: not known
+  double new_resistance_Ohm = kNaN;        ///< the reference's there; NaN: not known
+  double reference_resistance_Ohm = kNaN;  ///< the same, of a typical reference, too
   WithInterval counted_resistance_Ohm;
   double log_capacity = 0.0;  ///< over the reference, as fitted, whether that is known or not
   double log_capacity_deviation = 0.0;  ///< of the counted ones, for a trend
@@ -106,10 +107,13 @@ struct HealthReport {
 [[nodiscard]] int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given);
 
 /// Of the flights that tell the quantity, by their place among all. A copy of an earlier flight, and
-/// one whose search did not converge, do not count.
+/// one whose search did not converge, do not count. With `reference` each value counts as a share of what the reference
+/// has there, and the line is through what the last of them would have had: a resistance is that after a time which is
+/// another for another sampling, at another state of charge.
 [[nodiscard]] std::optional<HealthTrend> TrendOf(std::span<const FlightHealth> flights,
                                                  WithInterval FlightHealth::*counted,
-                                                 double FlightHealth::*deviation);
+                                                 double FlightHealth::*deviation,
+                                                 double FlightHealth::*reference = nullptr);
 
 /// The logs are those of the pack. OptionError where the capacity is to be the one that the autopilots were
 /// told, and they were told different ones. Flights that are too short or too idle to tell anything are

@@ -72,5 +72,26 @@ TEST(HealthReport, ASearchThatDidNotConvergeHasNoPartInTheTrend) {
   EXPECT_NEAR(trend->last.value, 4.4, 0.1);
 }
 
+// The first three flights are logged ten times as often: their resistance is that after a shorter time, and a fifth smaller.
+TEST(HealthReport, ATrendOfResistanceIsOfWhatTheReferenceHasThere) {
+  std::vector<FlightHealth> flights;
+  for (int k = 0; k < 6; ++k) {
+    FlightHealth flight = Flight("a.csv", true);
+    flight.reference_resistance_Ohm = k < 3 ? 0.04 : 0.05;
+    const double counted_Ohm = 1.5 * flight.reference_resistance_Ohm;
+    flight.counted_resistance_Ohm = {counted_Ohm, 0.9 * counted_Ohm, 1.1 * counted_Ohm, {}};
+    flight.log_resistance_deviation = 0.05;
+    flight.place = flights.size();
+    flights.push_back(flight);
+  }
+  const auto trend = TrendOf(flights,
+                             &FlightHealth::counted_resistance_Ohm,
+                             &FlightHealth::log_resistance_deviation,
+                             &FlightHealth::reference_resistance_Ohm);
+  ASSERT_TRUE(trend);
+  EXPECT_NEAR(trend->change_percent.value, 0.0, 1e-9);
+  EXPECT_NEAR(trend->first.value, 0.075, 1e-12);  // where the last flight has it
+}
+
 }  // namespace
 }  // namespace lipoid

@@ -11,12 +11,12 @@ const intervalOf = (one, name) => one[`${name}_interval_95`] ?? one[`${name.repl
 function overFlights(all, name, title, label, factor) {
   // A copy of an earlier flight is no flight of its own, and a search that stopped says nothing: for the trend neither.
   const flights = all.map((one) => (one.same_rows_as || one.converged === false ? {} : one));
-  const ends = (side) => flights.map((one) => times(factor, intervalOf(one, name)?.[side]));
+  const ends = (side) => flights.map((one) => times(factor(one), intervalOf(one, name)?.[side]));
   return lineChart({
     title,
     x: { label: "flight", values: flights.map((_, k) => k + 1), whole: true },
     y: { label, zero: true },
-    lines: [{ label: "as the sensor counts, with its 95 % interval", values: flights.map((one) => times(factor, one[name])), band: [ends(0), ends(1)], dots: true }],
+    lines: [{ label: "as the sensor counts, with its 95 % interval", values: flights.map((one) => times(factor(one), one[name])), band: [ends(0), ends(1)], dots: true }],
     name: title,
   });
 }
@@ -34,6 +34,8 @@ export const health = {
     const flights = listOf(summary.flights);
     const reference = summary.reference ?? {};
     const sentences = listOf(summary.sentences);
+    // A resistance is that after a time which the sampling of each flight sets: only shares of the new one compare.
+    const ofNew = flights.every((one) => isNumber(one.new_resistance_Ohm) || !isNumber(one.counted_resistance_Ohm));
     const doubts = (text, { doubted_because }) => Boolean(doubted_because) && text.includes(doubted_because);
     return [
       sentences.map((text) => element("p", { class: flights.some((one) => doubts(text, one)) ? "sentence notice warning" : "sentence" }, text)),
@@ -61,8 +63,9 @@ export const health = {
         { sort: true, caption: "What each flight says of the pack" },
       ),
       flights.length > 1
-        ? [overFlights(flights, "counted_capacity_Ah", "Capacity as the sensor counts it, over the flights", "counted capacity / Ah", 1),
-           overFlights(flights, "counted_resistance_Ohm", "Resistance as the sensor counts it, over the flights", "counted resistance / mΩ", 1e3)]
+        ? [overFlights(flights, "counted_capacity_Ah", "Capacity as the sensor counts it, over the flights", "counted capacity / Ah", () => 1),
+           overFlights(flights, "counted_resistance_Ohm", "Resistance as the sensor counts it, over the flights",
+                       ofNew ? "counted resistance / % of new" : "counted resistance / mΩ", (one) => (ofNew ? 100 / one.new_resistance_Ohm : 1e3))]
         : note("Give several flights on one pack, the oldest first, to see how it ages."),
       listOf(summary.refused).map(({ file, reason }) => notice("warning", `${file}: ${reason}`)),
       flights.map((one) => {
