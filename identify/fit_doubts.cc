@@ -20,8 +20,16 @@ namespace lipoid {
 namespace {
 
 // Stage 3 takes as exact what stands in for a log that is not there.
-std::string DoubtAboutStandIns(const StagedResult& staged) {
+std::string DoubtAboutStandIns(const StagedResult& staged, const Cell& cell) {
+  constexpr double kReached_V = 0.15;  // as of fit_quality.cc
   std::vector<std::string> missing;
+  const double above_V = cell.open_circuit_voltage.below().value_V - cell.cutoff_V;
+  if (staged.alpha_source == "low-rate-charge" && above_V > kReached_V) {
+    missing.push_back(fmt::format(
+        "alpha, {:.4g} Ah, is the charge of a low-rate log that ends {:.2g} V above the cut-off",
+        staged.alpha_C / 3600.0,
+        above_V));
+  }
   if (staged.from_rests) missing.emplace_back("v_oc(A) is that of rests, without a low-rate log");
   if (staged.fitted_kind == LogKind::kConstantCurrent)
     missing.emplace_back("there were discharges for stage 3, and no pulses");
@@ -175,7 +183,7 @@ void DoubtTheFit(Identification& found,
   if (found.staged) {
     if (auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty())
       found.quality.Doubt(std::move(doubt));
-    if (auto doubt = DoubtAboutStandIns(*found.staged); !doubt.empty())
+    if (auto doubt = DoubtAboutStandIns(*found.staged, found.cell); !doubt.empty())
       found.quality.Doubt(std::move(doubt));
   }
   std::vector<std::string> stuck;

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
@@ -46,6 +48,27 @@ TEST(FitDoubts, TheNominalCapacityIsTestedByNoLog) {
   EXPECT_NE(ReasonsOf(campaign, logs)
                 .find("no cut-off voltage is given, and alpha is the nominal capacity of 0.6 Ah"),
             std::string::npos);
+}
+
+// Of 14 campaigns whose slow log stops at a quarter of the charge each had beta, r_1, tau_1 and c_1 outside their intervals.
+TEST(FitDoubts, ASlowLogThatStopsEarlyCountsNoCapacity) {
+  const auto all = test::SyntheticLogs(Truth(), 2.0, 0.0002);
+  std::vector<LoadedLog> logs{all[3], all[4]};
+  IdentifyOptions staged;
+  staged.method = IdentifyMethod::kStaged;
+  for (const bool early : {false, true}) {
+    if (early) {
+      Record& slow = logs[0].log.record;
+      const std::size_t rows = 3 * slow.size() / 4;
+      for (auto* column : {&slow.time_s, &slow.current_A, &slow.voltage_V}) column->resize(rows);
+    }
+    const auto reasons = Identify(test::CampaignOf(logs), logs, staged).quality.reasons;
+    const auto said = std::any_of(reasons.begin(), reasons.end(), [](const std::string& one) {
+      return one.find("Ah, is the charge of a low-rate log that ends") != std::string::npos &&
+             one.ends_with("--method joint fits all logs together");
+    });
+    EXPECT_EQ(said, early) << fmt::format("{}", fmt::join(reasons, "; "));
+  }
 }
 
 TEST(FitDoubts, TheSlowLogAndTheOthersCountOneCharge) {
