@@ -60,7 +60,7 @@ JointLogs TestOf(const JointRates& rates,
     const double temperature_K = *question.temperature_degC + kZeroCelsius_K;
     log.temperature_K.assign(log.size(), temperature_K);
     log.warm_steps = log.steps;
-    log.warm_steps.start_K.assign(log.steps.length_s.size(), temperature_K);
+    log.warm_steps.at_K.assign(log.steps.length_s.size(), temperature_K);
   }
   JointLogs logs;
   logs.logs.push_back(std::move(log));

@@ -132,9 +132,13 @@ void Walk(const CellParameters<double>& parameters,
       const double more = more_A == nullptr ? 0.0 : (*more_A)[static_cast<Eigen::Index>(k)];
       stepper.SetFlowing(corrected(flown.since_A[k] + more));
     }
-    stepper.Row(record.time_s[k], corrected(record.current_A[k]));
-    if (!among.measured_degC.empty())
-      stepper.SetTemperature(T(among.measured_degC[k] + kZeroCelsius_K));
+    if (among.measured_degC.empty()) {
+      stepper.Row(record.time_s[k], corrected(record.current_A[k]));
+    } else {
+      stepper.Row(record.time_s[k],
+                  corrected(record.current_A[k]),
+                  T(among.measured_degC[k] + kZeroCelsius_K));
+    }
     visit(k, stepper.Soc(), stepper.Voltage());
   }
 }

@@ -41,8 +41,7 @@ Warming WarmingOf(const Cell& cell, const LoadedLog& log) {
     double dt_s = 0.0;
     double mean_W = 0.0;
     if (k == 0) {
-      stepper.Row(record.time_s[k], record.current_A[k]);
-      stepper.SetTemperature(now_K);
+      stepper.Row(record.time_s[k], record.current_A[k], now_K);
     } else {
       const double flowed_A = record.current_A[record.hold == Hold::kBackward ? k : k - 1];
       const double before_K = record.temperature_degC[k - 1] + kZeroCelsius_K;
@@ -51,8 +50,7 @@ Warming WarmingOf(const Cell& cell, const LoadedLog& log) {
       double at_W = model.Heat(stepper.state(), flowed_A);
       // To this share of the step.
       const auto advance = [&](double to, double time_s, double current_A) {
-        stepper.Row(time_s, current_A);
-        stepper.SetTemperature(before_K + to * (now_K - before_K));
+        stepper.Row(time_s, current_A, before_K + to * (now_K - before_K));
         const double then_W = model.Heat(stepper.state(), flowed_A);
         mean_W += (to - at) * 0.5 * (at_W + then_W);
         at_W = then_W;

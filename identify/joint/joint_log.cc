@@ -76,19 +76,19 @@ JointSteps FindSteps(const JointLog& log, bool warm) {
   for (std::size_t k = 1; k < log.size(); ++k) {
     const double dt_s = log.time_s[k] - log.time_s[k - 1];
     const double tolerance_s = 4.0 * std::numeric_limits<double>::epsilon() * log.time_s[k];
-    const double start_K = warm ? log.temperature_K[k - 1] : 0.0;
+    const double at_K = warm ? log.HalfWay_K(k) : 0.0;
     // A length at the edge of two keys is at worst there twice.
     const auto key = static_cast<std::int64_t>(std::min(dt_s, 4e9) * 0x1p30) ^
-                     static_cast<std::int64_t>(start_K * 0x1p50);
+                     static_cast<std::int64_t>(at_K * 0x1p50);
     const auto [found, fresh] =
         known.try_emplace(key, static_cast<std::uint32_t>(steps.length_s.size()));
     const std::size_t at = found->second;
     if (!fresh && (std::abs(steps.length_s[at] - dt_s) > tolerance_s ||
-                   (warm && steps.start_K[at] != start_K)))
+                   (warm && steps.at_K[at] != at_K)))
       found->second = static_cast<std::uint32_t>(steps.length_s.size());
     if (found->second == steps.length_s.size()) {
       steps.length_s.push_back(dt_s);
-      if (warm) steps.start_K.push_back(start_K);
+      if (warm) steps.at_K.push_back(at_K);
     }
     steps.to[k] = found->second;
   }

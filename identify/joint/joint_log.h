@@ -45,7 +45,7 @@ struct JointWeights {
 /// The steps between points are of few kinds: each once, and of every point which one leads to it.
 struct JointSteps {
   std::vector<double> length_s;
-  std::vector<double> start_K;  ///< temperature at their start, where that makes kinds
+  std::vector<double> at_K;  ///< temperature half-way, where that makes kinds
   std::vector<std::uint32_t> to;
 };
 
@@ -81,6 +81,10 @@ struct JointLog {
   double longest_s = 0.0;   ///< at one current
 
   [[nodiscard]] std::size_t size() const { return time_s.size(); }
+  /// Temperature of the step to this point, k > 0.
+  [[nodiscard]] double HalfWay_K(std::size_t k) const {
+    return 0.5 * (temperature_K[k - 1] + temperature_K[k]);
+  }
 };
 
 /// Different constant currents from which on discharges are left out whole.

@@ -52,14 +52,15 @@ void WalkLog(
   };
   const bool warm = structure.temperature && !log.temperature_K.empty();
   for (std::size_t k = 0; k < log.size(); ++k) {
+    const bool warms = warm && k > 0 && log.temperature_K[k] != log.temperature_K[k - 1];
+    if (warms) rows.SetTemperature({log.HalfWay_K(k), setup.reference_K});
     if (k > 0) {
       const double dt_s = log.time_s[k] - log.time_s[k - 1];
       rows.Step(steps,
                 static_cast<Eigen::Index>(log.steps.to[k]),
                 at(log.step_A[k], dt_s, trace.start, trace.start_slopes, k));
     }
-    if (warm && (k == 0 || log.temperature_K[k] != log.temperature_K[k - 1]))
-      rows.SetTemperature({log.temperature_K[k], setup.reference_K});
+    if (warms || (warm && k == 0)) rows.SetTemperature({log.temperature_K[k], setup.reference_K});
     if (!(log.weight[k] > 0.0)) continue;
     CellRows::At point = at(log.current_A[k], 0.0, trace.at, trace.at_slopes, k);
     if (structure.voltage_soc.empty()) point.v_oc = setup.open_circuit_voltage.Evaluate(point.soc);
@@ -128,7 +129,7 @@ SocTrace TraceSoc(const JointLogs& logs,
     ModeSteps steps;
     if (warm) {
       std::vector<AtTemperature> at;
-      for (const double temperature_K : kinds.start_K)
+      for (const double temperature_K : kinds.at_K)
         at.emplace_back(temperature_K, setup.reference_K);
       state.SetStepsAt(kinds.length_s, at, energy_J_per_mol, steps);
       state.SetTemperature({log.temperature_K[0], setup.reference_K}, energy_J_per_mol);
@@ -149,6 +150,8 @@ SocTrace TraceSoc(const JointLogs& logs,
     };
     for (std::size_t k = 0; k < log.size(); ++k) {
       const double step_A = k > 0 ? log.step_A[k] : 0.0;
+      const bool warms = warm && k > 0 && log.temperature_K[k] != log.temperature_K[k - 1];
+      if (warms) state.SetTemperature({log.HalfWay_K(k), setup.reference_K}, energy_J_per_mol);
       out.start[k] = state.Soc(rates.Flowing(step_A));
       if (moves) out.start_slopes[k] = slopes_at(step_A);
       if (k > 0) {
@@ -158,8 +161,7 @@ SocTrace TraceSoc(const JointLogs& logs,
                    log.time_s[k] - log.time_s[k - 1],
                    rates.FlowingSlope(step_A));
       }
-      if (warm && k > 0 && log.temperature_K[k] != log.temperature_K[k - 1])
-        state.SetTemperature({log.temperature_K[k], setup.reference_K}, energy_J_per_mol);
+      if (warms) state.SetTemperature({log.temperature_K[k], setup.reference_K}, energy_J_per_mol);
       out.at[k] = state.Soc(rates.Flowing(log.current_A[k]));
       if (moves) out.at_slopes[k] = slopes_at(log.current_A[k]);
     }

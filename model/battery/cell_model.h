@@ -179,41 +179,52 @@ class CellModel {
     MakeStep(dt_s, state.temperature_K, step);
   }
 
-  /// The state after `current_A` has flowed for step.dt_s.
+  /// The state after `current_A` has flowed for step.dt_s, in which the cell hardly warms.
   void Advance(State& state, const T& current_A, const Step& step) const {
     const bool warms = PredictsTemperature(state);
     const T heat_W = warms ? Heat(state, current_A) : T(0.0);
-    if (!p_.branches.empty()) {
-      const T soc = branches_depend_on_soc_ ? Soc(state, current_A) : T(1.0);
-      for (std::size_t j = 0; j < p_.branches.size(); ++j) {
-        const auto& [decay, gain] = step.branch[j];
-        const T& tau_s = p_.branches[j].time_constant_s;
-        T drive_V = p_.branches[j].resistance_Ohm(soc) * current_A;
-        if (p_.temperature) drive_V = step.branch_factor[j] * drive_V;
-        // (1 - decay) without cancellation is gain/tau; it is 1 where the branch has no inertia at
-        // all.
-        const T share = ScalarPart(tau_s) > 0.0 ? T(gain / tau_s) : T(1.0);
-        state.branch_V[j] = decay * state.branch_V[j] + (share * drive_V + kAlive);  // (4.50)
-      }
+    Move(state, current_A, step);
+    if (warms) Warm(state, state.temperature_K, heat_W, current_A, step.dt_s);
+  }
+  /// The same of a cell that knows temperature, for steps in which it may warm by a kelvin: all of the step is taken at
+  /// the temperature half-way. `step` is that of the row before, or of none; `scratch` keeps its memory.
+  void AdvanceWarming(
+      State& state, const T& current_A, double dt_s, Step& step, State& scratch) const {
+    if (!PredictsTemperature(state)) {
+      MakeStep(dt_s, state.temperature_K, step);
+      return Move(state, current_A, step);
     }
-    for (std::size_t m = 0; m < rate_per_s_.size(); ++m) {
-      state.unavailable_C[m] = step.diffusion[m].decay * state.unavailable_C[m] +
-                               (step.diffusion[m].gain * current_A + kAlive);  // (4.46)
-    }
-    state.delivered_C = state.delivered_C + step.dt_s * current_A;  // (4.46)
-    if (p_.self_heating) {
-      state.thermal_state_A2 =
-          step.thermal_state.decay * state.thermal_state_A2 +
-          (step.thermal_state.gain / p_.self_heating->time_constant_s * (current_A * current_A) +
-           kAlive);
-    }
-    if (p_.hysteresis) {
-      state.hysteresis = p_.hysteresis->After(state.hysteresis, step.dt_s * current_A, p_.alpha_C);
-    }
-    if (warms) {
-      // The mean of the heat at both ends, as branches and diffusion take a while to drop theirs.
-      state.temperature_K = p_.temperature->heat->After(
-          state.temperature_K, 0.5 * (heat_W + Heat(state, current_A)), state.ambient_K, step.dt_s);
+    // Resistances change by up to a tenth per kelvin: by a billionth over this.
+    constexpr double kNear_K = 1e-8;
+    constexpr int kMostRounds = 20;
+    scratch = state;
+    const T start_K = state.temperature_K;
+    Warm(state, start_K, Heat(state, current_A), current_A, dt_s);
+    T half_K = 0.5 * (start_K + state.temperature_K);
+    double before_K = 0.0;  // half_K of the round before, and what came of it
+    double made_K = 0.0;
+    double slope = 0.0;
+    bool near = false;
+    for (int round = 0;; ++round) {
+      state = scratch;
+      state.temperature_K = half_K;
+      MakeStep(dt_s, half_K, step);
+      const T heat_W = Heat(state, current_A);
+      Move(state, current_A, step);
+      Warm(state, start_K, heat_W, current_A, dt_s);
+      const T makes_K = 0.5 * (start_K + state.temperature_K);
+      const double at_K = ScalarPart(half_K);
+      const double off_K = ScalarPart(makes_K) - at_K;
+      // Derivatives come a round later than their number.
+      const bool enough = near || std::is_same_v<T, double>;
+      near = !(std::abs(off_K) > kNear_K);
+      if ((near && enough) || round == kMostRounds) return;
+      // A warmer cell makes less heat: the secant, a number even where T has derivatives.
+      if (round > 0 && std::abs(at_K - before_K) > kNear_K)
+        slope = std::min((ScalarPart(makes_K) - made_K) / (at_K - before_K), 0.5);
+      before_K = at_K;
+      made_K = ScalarPart(makes_K);
+      half_K = half_K + (makes_K - half_K) / (1.0 - slope);
     }
   }
 
@@ -292,6 +303,42 @@ class CellModel {
   }
 
  private:
+  // All of a state but its temperature.
+  void Move(State& state, const T& current_A, const Step& step) const {
+    if (!p_.branches.empty()) {
+      const T soc = branches_depend_on_soc_ ? Soc(state, current_A) : T(1.0);
+      for (std::size_t j = 0; j < p_.branches.size(); ++j) {
+        const auto& [decay, gain] = step.branch[j];
+        const T& tau_s = p_.branches[j].time_constant_s;
+        T drive_V = p_.branches[j].resistance_Ohm(soc) * current_A;
+        if (p_.temperature) drive_V = step.branch_factor[j] * drive_V;
+        // (1 - decay) without cancellation is gain/tau; it is 1 where the branch has no inertia at
+        // all.
+        const T share = ScalarPart(tau_s) > 0.0 ? T(gain / tau_s) : T(1.0);
+        state.branch_V[j] = decay * state.branch_V[j] + (share * drive_V + kAlive);  // (4.50)
+      }
+    }
+    for (std::size_t m = 0; m < rate_per_s_.size(); ++m) {
+      state.unavailable_C[m] = step.diffusion[m].decay * state.unavailable_C[m] +
+                               (step.diffusion[m].gain * current_A + kAlive);  // (4.46)
+    }
+    state.delivered_C = state.delivered_C + step.dt_s * current_A;  // (4.46)
+    if (p_.self_heating) {
+      state.thermal_state_A2 =
+          step.thermal_state.decay * state.thermal_state_A2 +
+          (step.thermal_state.gain / p_.self_heating->time_constant_s * (current_A * current_A) +
+           kAlive);
+    }
+    if (p_.hysteresis) {
+      state.hysteresis = p_.hysteresis->After(state.hysteresis, step.dt_s * current_A, p_.alpha_C);
+    }
+  }
+  // From start_K on, by the mean of the heat at both ends, as branches and diffusion take a while to drop theirs.
+  void Warm(
+      State& state, const T& start_K, const T& heat_W, const T& current_A, double dt_s) const {
+    const T mean_W = 0.5 * (heat_W + Heat(state, current_A));
+    state.temperature_K = p_.temperature->heat->After(start_K, mean_W, state.ambient_K, dt_s);
+  }
   [[nodiscard]] bool PredictsTemperature(const State& state) const {
     return p_.temperature && p_.temperature->heat && !std::isnan(ScalarPart(state.ambient_K));
   }

@@ -81,8 +81,12 @@ class RowPredictor {
     if (!stepper_) stepper_.emplace(model_, hold_, StartAmong(model_, initial_soc_, surroundings));
     RecordStepper<double>& stepper = *stepper_;
     for (std::size_t k = 0; k < time_s.size(); ++k) {
-      stepper.Row(time_s[k], current_A[k] / cell_.parallel);
-      if (!measured_degC.empty()) stepper.SetTemperature(measured_degC[k] + kZeroCelsius_K);
+      const double one_A = current_A[k] / cell_.parallel;
+      if (measured_degC.empty()) {
+        stepper.Row(time_s[k], one_A);
+      } else {
+        stepper.Row(time_s[k], one_A, measured_degC[k] + kZeroCelsius_K);
+      }
       const double soc = stepper.Soc();
       visit(k, PredictedRow{soc, cell_.series * stepper.Voltage(soc), stepper});
     }

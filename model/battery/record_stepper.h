@@ -12,7 +12,8 @@
 ///
 /// A step of the cell takes r_j at its beginning. Where r_j is a table and one row takes more than a twentieth of the
 /// charge, as in a log that has rows where the current changes alone, it is walked in parts; not so that of a cell
-/// that knows temperature, whose fit takes such rows in one step. Tests:
+/// that knows temperature, whose fit takes such rows in one step. That step is taken at the temperature half-way between
+/// the rows, measured or predicted: from one to the next the cell may warm by a kelvin and more. Tests:
 /// tests/model/battery/record_stepper_test.cc.
 
 #include <array>
@@ -96,8 +97,7 @@ class RecordStepper {
       if (std::abs(ScalarPart(flowed_A)) * dt_s > longest_step_C_) {
         WalkInParts(flowed_A, dt_s);
       } else if (model_.parameters().temperature) {  // hardly any two rows share it
-        model_.MakeStep(dt_s, state_.temperature_K, of_row_);
-        model_.Advance(state_, flowed_A, of_row_);
+        model_.AdvanceWarming(state_, flowed_A, dt_s, of_row_, scratch_);
       } else {
         auto& step = cache_.Get(dt_s, time_s, [this](double dt, typename CellModel<T>::Step& made) {
           model_.MakeStep(dt, made);
@@ -110,11 +110,15 @@ class RecordStepper {
     time_s_ = time_s;
     current_A_ = current_A;
   }
+  /// The same where the temperature of the cell was measured at the row, and at the one before.
+  void Row(double time_s, const T& current_A, const T& temperature_K) {
+    if (started_) state_.temperature_K = 0.5 * (state_.temperature_K + temperature_K);
+    Row(time_s, current_A);
+    state_.temperature_K = temperature_K;
+  }
 
   /// The current that flows from the row last moved to, where it is not that of the row (hold forward).
   void SetFlowing(const T& current_A) { current_A_ = current_A; }
-  /// What was measured at the row last moved to.
-  void SetTemperature(const T& temperature_K) { state_.temperature_K = temperature_K; }
 
   [[nodiscard]] const State& state() const { return state_; }
   [[nodiscard]] T Soc() const { return model_.Soc(state_, current_A_); }
@@ -138,6 +142,7 @@ class RecordStepper {
   State state_;
   IntervalCache<typename CellModel<T>::Step> cache_;
   typename CellModel<T>::Step of_row_;
+  State scratch_;
   bool started_ = false;
   double time_s_ = 0.0;
   T current_A_ = T(0.0);

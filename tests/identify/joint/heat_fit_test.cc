@@ -50,7 +50,6 @@ std::optional<HeatFit> FitTo(Cell cell, const std::vector<LoadedLog>& logs) {
 }
 
 void ExpectTheTruth(const HeatFit& fit) {
-  // The heat of a second is taken at its end: half a percent of pulses of 300 s.
   EXPECT_NEAR(fit.balance.heat_capacity_J_per_K, 15.0, 0.1);
   EXPECT_NEAR(fit.balance.thermal_resistance_K_per_W, 20.0, 0.1);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 #include "tests/support/constants.h"
 
 namespace lipoid {
@@ -64,6 +65,65 @@ TEST(RecordStepper, ALongRowEndsWhereShortRowsDo) {
     };
     // Parts of 6 s against rows of 1 s; in one step the branch alone ends 9 mV away.
     EXPECT_NEAR(after(1), after(600), 2e-4);
+  }
+}
+
+CellParameters<double> ColdCell() {
+  CellParameters<double> cell = FullCell();
+  cell.alpha_C = 3600.0;
+  cell.series_resistance_Ohm = 0.05;
+  cell.branches = {{0.05, 60.0}};
+  TemperatureDependence<double>& term = cell.temperature.emplace();
+  term.series_J_per_mol = 30e3;
+  term.branches_J_per_mol = {40e3};
+  term.diffusion_J_per_mol = 25e3;
+  term.heat =
+      HeatBalance<double>{.heat_capacity_J_per_K = 15.0, .thermal_resistance_K_per_W = 10.0};
+  return cell;
+}
+
+CellModel<double>::State Cold(const CellModel<double>& model) {
+  auto state = model.Relaxed(1.0);
+  state.ambient_K = state.temperature_K = 263.15;
+  return state;
+}
+
+// From one row to the next it warms by up to 12 K. A step at the temperature of its beginning or its end halves its
+// error with the rows; half-way it is a quarter.
+TEST(RecordStepper, AColdCellIsSteppedHalfWayBetweenTheRows) {
+  const CellModel<double> model(ColdCell());
+  const auto after_V = [&](int rows) {
+    RecordStepper<double> stepper(model, Hold::kBackward, Cold(model));
+    for (int k = 0; k <= rows; ++k) stepper.Row(480.0 / rows * k, 4.0);
+    return stepper.Voltage();
+  };
+  const double exact_V = after_V(4800);
+  const double off_60s_V = std::abs(after_V(8) - exact_V);
+  const double off_30s_V = std::abs(after_V(16) - exact_V);
+  EXPECT_GT(off_60s_V, 1e-4);
+  EXPECT_LT(off_60s_V, 0.01);
+  EXPECT_LT(off_30s_V, off_60s_V / 3.5);
+}
+
+// So that a log that the cell predicted, with its temperatures, is one that it fits.
+TEST(RecordStepper, PredictedTemperaturesAreThoseThatWouldBeMeasured) {
+  CellParameters<double> cell = ColdCell();
+  cell.branches[0].resistance_Ohm = {{0.0, 0.5, 1.0}, {0.15, 0.03, 0.06}};
+  const CellModel<double> model(cell);
+  for (const Hold hold : {Hold::kBackward, Hold::kForward}) {
+    for (const double row_s : {0.01, 1.0, 60.0, 3600.0}) {
+      RecordStepper<double> predicts(model, hold, Cold(model));
+      auto state = Cold(model);
+      state.ambient_K = kNaN;
+      RecordStepper<double> measures(model, hold, state);
+      for (int k = 0; k < 20; ++k) {
+        const double current_A = (k % 4 < 2 ? 3000.0 : -400.0) / std::max(row_s, 600.0);
+        predicts.Row(row_s * k, current_A);
+        measures.Row(row_s * k, current_A, predicts.state().temperature_K);
+        ASSERT_NEAR(predicts.Voltage(), measures.Voltage(), 1e-8) << row_s << " " << k;
+      }
+      EXPECT_NE(predicts.state().temperature_K, 263.15);
+    }
   }
 }
 
