@@ -83,8 +83,8 @@ JointSteps FindSteps(const JointLog& log, bool warm) {
     const auto [found, fresh] =
         known.try_emplace(key, static_cast<std::uint32_t>(steps.length_s.size()));
     const std::size_t at = found->second;
-    if (!fresh && (std::abs(steps.length_s[at] - dt_s) > tolerance_s ||
-                   (warm && steps.at_K[at] != at_K)))
+    if (!fresh &&
+        (std::abs(steps.length_s[at] - dt_s) > tolerance_s || (warm && steps.at_K[at] != at_K)))
       found->second = static_cast<std::uint32_t>(steps.length_s.size());
     if (found->second == steps.length_s.size()) {
       steps.length_s.push_back(dt_s);
