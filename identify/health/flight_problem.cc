@@ -19,6 +19,12 @@ using U = FlightUnknowns;
 
 }  // namespace
 
+WithInterval WithinPack(WithInterval soc) {
+  soc.low = std::min(soc.value, std::max(soc.low, kLeastStart_soc));
+  soc.high = std::max(soc.value, std::min(soc.high, kMostStart_soc));
+  return soc;
+}
+
 FlightStart StartOfFlight(const Record& record) {
   constexpr double kRested_s = 3.0;
   const double rest_A = std::max(RestThreshold(record), 0.0);
@@ -85,7 +91,7 @@ FlightProblem::FlightProblem(const FlightSamples& flight,
     high[u] = high_of;
   };
   // What a flight starts with is hardly known before; a pack is not fuller than full.
-  set(U::kStart, 0.8, 0.5, -0.05, 1.05);
+  set(U::kStart, 0.8, 0.5, kLeastStart_soc, kMostStart_soc);
   set(U::kCapacity, 0.0, spread.log_capacity, kLowestLogCapacity, kHighestLogCapacity);
   set(U::kSeries, 0.0, spread.log_series, -5.0, 4.0);
   set(U::kBranches, 0.0, spread.log_branches, -5.0, 4.0);

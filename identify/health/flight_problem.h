@@ -14,6 +14,7 @@
 #include "identify/health/coloured_noise.h"
 #include "identify/health/flight_model.h"
 #include "identify/health/flight_samples.h"
+#include "identify/health/trend.h"
 #include "identify/optimizers/least_squares.h"
 
 namespace lipoid {
@@ -35,6 +36,12 @@ struct SensorSpread {
 /// Between these the logarithm of the capacity over that of the reference is searched.
 inline constexpr double kLowestLogCapacity = -3.0;
 inline constexpr double kHighestLogCapacity = 1.5;
+
+/// And between these the state of charge of the start.
+inline constexpr double kLeastStart_soc = -0.05;
+inline constexpr double kMostStart_soc = 1.05;
+/// The interval of a state of charge, which ends there: no pack is emptier or fuller.
+[[nodiscard]] WithInterval WithinPack(WithInterval soc);
 
 /// Degrees of freedom of what a flight says: its errors are weighed by noise that is itself
 /// estimated, from few independent slow errors.

@@ -301,7 +301,7 @@ FlightsWithLab FitFlightsWithLab(const Cell& cell, const std::vector<LoadedLog>&
       return Symmetric(own[u], covariance(k, k) * deviation[u] * deviation[u], freedom);
     };
     flight.file = one_flying.file;
-    flight.soc_start = with(U::kStart);
+    flight.soc_start = WithinPack(with(U::kStart));
     flight.current_scale = with(U::kScale);
     for (double* value :
          {&flight.current_scale.value, &flight.current_scale.low, &flight.current_scale.high})

@@ -44,8 +44,8 @@ bool AtLimit(double log_capacity) {
   return log_capacity < kLowestLogCapacity + kClose || log_capacity > kHighestLogCapacity - kClose;
 }
 
-// Where a search for the start ended at its limit of 1.05, the capacity went with it.
-constexpr double kFullestStart = 1.045;
+// Where a search for the start ended at its limit, the capacity went with it.
+constexpr double kFullestStart = kMostStart_soc - 0.005;
 
 WithInterval Symmetric(double value, double deviation) {
   const double reach = Reach95(kFlightFreedom) * deviation;
@@ -421,9 +421,9 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
       (1.0 + x[U::kScale]) * (fit.charge_C + fit.uncounted_C - x[U::kOffset_A] * fit.duration_s);
   health.duration_s = fit.duration_s;
   health.charge_Ah = fit.charge_C / 3600.0;
-  health.soc_start = Symmetric(
-      x[U::kStart],
-      std::hypot(std::sqrt(covariance(U::kStart, U::kStart)), KinksInSoc(reference, x[U::kStart])));
+  health.soc_start = WithinPack(Symmetric(x[U::kStart],
+                                          std::hypot(std::sqrt(covariance(U::kStart, U::kStart)),
+                                                     KinksInSoc(reference, x[U::kStart]))));
   Eigen::VectorXd slope = Eigen::VectorXd::Zero(x.size());
   slope[U::kStart] = 1.0;
   slope[U::kCapacity] = true_C / alpha_C;
@@ -435,7 +435,8 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
       std::max(0.0,
                slope.dot(covariance * slope) + 2.0 * of_uncounted * slope.dot(fit.uncounted_with) +
                    of_uncounted * of_uncounted * fit.uncounted_variance_C2));
-  health.soc_end = Symmetric(soc_end, std::hypot(of_end, KinksInSoc(reference, soc_end)));
+  health.soc_end =
+      WithinPack(Symmetric(soc_end, std::hypot(of_end, KinksInSoc(reference, soc_end))));
 
   const double scale = 1.0 + x[U::kScale];
   slope.setZero();

@@ -11,6 +11,7 @@
 #include "model/control/laws/control_laws.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
+#include "model/flight/coupling.h"
 #include "model/vehicle/allocation.h"
 
 namespace lipoid {
@@ -92,6 +93,20 @@ std::string DoubtAboutSpeed(const FlightSetup& setup,
       flight.fastest_m_per_s,
       most,
       setup.gains.position.tilt_limit_rad * 180.0 / std::numbers::pi);
+}
+
+// That the air carried it further off than a waypoint may be missed by; "": it did not. Of waypoints that is said one by
+// one, and an estimated position drifts by itself.
+std::string DoubtAboutPlace(const FlightSetup& setup,
+                            const FlightPlan& plan,
+                            const FlightResult& flight) {
+  constexpr double kAtPlace_m = 1.0;  // as of simulator.cc
+  if (!plan.arrivals_s.empty() || setup.estimate || !Blows(setup.wind)) return "";
+  if (!(flight.largest_position_error_m > kAtPlace_m)) return "";
+  return fmt::format(
+      "the air carried the vehicle up to {:.3g} m from its place: the position loop has no integral, and leans against "
+      "a steady wind only as far as it is off; larger position gains hold it closer",
+      flight.largest_position_error_m);
 }
 
 }  // namespace
@@ -181,6 +196,7 @@ std::vector<std::string> FlightDoubts(const FlightSetup& setup,
     doubts.push_back(DoubtAboutCurve(*setup.cell, flight.final_soc, setup.initial_soc));
   }
   doubts.push_back(DoubtAboutSpeed(setup, plan, flight));
+  doubts.push_back(DoubtAboutPlace(setup, plan, flight));
   const std::size_t asked = plan.arrivals_s.size();
   const std::size_t reached = flight.waypoint_distance_m.size();
   if (flight.outcome == Outcome::kCompleted && reached < asked) {

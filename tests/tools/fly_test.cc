@@ -299,6 +299,27 @@ TEST(Fly, AFlightThatEndsBeforeItsWaypointsSaysSo) {
   EXPECT_FALSE(ReadJson(folder, "s.json").at("doubts").empty());
 }
 
+TEST(Fly, AVehicleThatTheWindCarriesOffSaysHowFar) {
+  const auto folder = TestFolder();
+  const auto said = [&](const char* wind) {
+    const auto run = RunLipoid(folder,
+                               {"fly",
+                                "hover",
+                                "--vehicle",
+                                "f450",
+                                "--wind",
+                                wind,
+                                "--battery",
+                                "ideal",
+                                "--duration",
+                                "20"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.err.find("m from its place: the position loop has no integral") != std::string::npos;
+  };
+  EXPECT_FALSE(said("0.5"));
+  EXPECT_TRUE(said("9"));
+}
+
 TEST(Fly, CornersThatAreNotReachedAreMissed) {
   const auto folder = TestFolder();
   const auto run =

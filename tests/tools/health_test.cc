@@ -608,6 +608,21 @@ TEST(Health, SaysThatTheRestIsThatOfAnotherNumberOfCells) {
   }
 }
 
+// A flight that hardly tells its state of charge: twice its error above is more than a pack holds.
+TEST(Health, NoStateOfChargeIsAboveFull) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"health",
+                              "--cell",
+                              "grepow-32Ah-1",
+                              FlightFixture("esc_status_log.ulg"),
+                              "--summary",
+                              "s.json"});
+  const Json ends = ReadJson(folder, "s.json").at("flights")[0].at("soc_start_interval_95");
+  EXPECT_LT(ends[0].get<double>(), 0.8) << run.out;
+  EXPECT_EQ(ends[1].get<double>(), 1.05) << run.out;
+}
+
 // What one autopilot was told is not true of the pack of another.
 TEST(Health, RefusesFlightsThatWereToldOfSeveralPacks) {
   const auto health = [](std::vector<std::string> more) {
