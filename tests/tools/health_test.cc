@@ -361,7 +361,7 @@ TEST(Health, CallsNoGuessTheNewPack) {
                               "--cell",
                               "gifi-600mAh-1",
                               "--series",
-                              "8",
+                              "10",
                               FlightFixture("quadrotor_local.ulg"),
                               FlightFixture("esc_status_log.ulg")});
   EXPECT_NE(run.out.find("ended at its limit"), std::string::npos) << run.out;
