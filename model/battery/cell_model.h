@@ -29,6 +29,7 @@
 /// takes r_j at the A with which it starts. Symbols: docs/notation.md. Tests:
 /// tests/model/battery/cell_model_test.cc.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
