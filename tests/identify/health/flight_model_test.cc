@@ -31,10 +31,9 @@ TEST(FlightModel, WithoutChangesIsThePrediction) {
   const auto found = model.Predict(x);
   const auto expected =
       Predict(c.reference.cell, c.record.time_s, c.record.current_A, Hold::kBackward, 0.97);
-  constexpr double kNear_V =
-      1e-9;  // temperatures are found to 1e-8 K, with derivatives a round further
+  constexpr double kRounding_V = 1e-12;
   for (std::size_t k = 0; k < c.record.size(); ++k)
-    ASSERT_NEAR(found.voltage_V[static_cast<Eigen::Index>(k)], expected.voltage_V[k], kNear_V);
+    ASSERT_NEAR(found.voltage_V[static_cast<Eigen::Index>(k)], expected.voltage_V[k], kRounding_V);
 }
 
 TEST(FlightModel, SlopesAreThoseOfThePrediction) {

@@ -415,9 +415,8 @@ TEST(JointTemperature, EnergiesAreSharedWhereTheLogsCannotTellThemApart) {
       Cell::Temperature& term = *truth.temperature;
       term.series_J_per_mol = term.branches_J_per_mol[0] = term.diffusion_J_per_mol = 35e3;
     }
-    const auto logs = ClimateChamber(truth, {25.0, 40.0, 10.0}, 0.0005);
-    const JointResult result =
-        IdentifyJoint(test::CampaignOf(logs), logs, {}, {.voltage_nodes = 141});
+    const auto logs = ClimateChamber(truth, {25.0, 40.0, 10.0}, 0.0005, 0.0, 5.0);
+    const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
     ASSERT_TRUE(result.cell.temperature);
     const Cell::Temperature& found = *result.cell.temperature;
     const auto names = SharedEnergyNames(result.choice.best.structure, result.setup.diffusion);
@@ -585,7 +584,7 @@ TEST(JointTemperature, IntervalsCountThatAHeatBalanceWasAssumed) {
       }
       return count;
     };
-    EXPECT_EQ(missed(), 0) << warmer << " " << FindQuantity(AssessJoint(result), "E_1")->high;
+    EXPECT_EQ(missed(), 0) << warmer;
     result.choice.half_as_warm = {};
     missed_without += missed();
   }
