@@ -9,6 +9,7 @@
 #include <limits>
 #include <set>
 
+#include "identify/fit_quality.h"
 #include "identify/joint/held_shape.h"
 #include "identify/joint/reference_curve.h"
 #include "identify/logs/load_campaign.h"
@@ -21,10 +22,9 @@ namespace {
 
 // Stage 3 takes as exact what stands in for a log that is not there.
 std::string DoubtAboutStandIns(const StagedResult& staged, const Cell& cell) {
-  constexpr double kReached_V = 0.15;  // as of fit_quality.cc
   std::vector<std::string> missing;
   const double above_V = cell.open_circuit_voltage.below().value_V - cell.cutoff_V;
-  if (staged.alpha_source == "low-rate-charge" && above_V > kReached_V) {
+  if (staged.alpha_source == "low-rate-charge" && above_V > kReachedCutoff_V) {
     missing.push_back(fmt::format(
         "alpha, {:.4g} Ah, is the charge of a low-rate log that ends {:.2g} V above the cut-off",
         staged.alpha_C / 3600.0,

@@ -60,12 +60,10 @@ void CountTimes(const std::vector<ConstantCurrentErrors>& times, Judgement& judg
 // alpha is the charge down to the cut-off, by definition.
 void CountCutoff(const Cell& cell, Judgement& judgement) {
   const OpenCircuitVoltage& curve = cell.open_circuit_voltage;
-  // From a last row up to so much above the cut-off the curve goes on with its slope. v_oc(A) falls ever faster, so
-  // that it is down there no later.
-  constexpr double kReached_V = 0.15;
+  // From there the curve goes on with its slope. v_oc(A) falls ever faster, so that it is down there no later.
   const auto& lowest = curve.below();
   const double above_V = lowest.value_V - cell.cutoff_V;
-  if (!(above_V <= kReached_V)) return;
+  if (!(above_V <= kReachedCutoff_V)) return;
   const double soc = above_V > 0.0 && lowest.slope_V > 0.0
                          ? curve.soc_lo() - above_V / lowest.slope_V
                          : std::max(curve.SocAtVoltage(cell.cutoff_V), curve.soc_lo());

@@ -42,6 +42,8 @@ inline constexpr GradeLimits kCapacityLimits{1.75, 3.0};
 inline constexpr GradeLimits kMovedLimits{1.1, 1.3};
 /// The state of charge at which v_oc(A) is the cut-off, where it should be 0.
 inline constexpr GradeLimits kCutoffLimits{0.1, 0.3};
+/// A curve whose last row is at most so much above the cut-off, in V, is down there.
+inline constexpr double kReachedCutoff_V = 0.15;
 /// What all resistances take at half charge and 1C over what v_oc there is above the cut-off: a cell
 /// that loses more of it cannot be discharged in an hour.
 inline constexpr GradeLimits kDropLimits{1.0, 4.0};

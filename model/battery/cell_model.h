@@ -195,8 +195,9 @@ class CellModel {
       MakeStep(dt_s, state.temperature_K, step);
       return Move(state, current_A, step);
     }
-    // Resistances change by up to a tenth per kelvin: by a billionth over this.
-    constexpr double kNear_K = 1e-8;
+    // The round after it leaves less than a hundredth of this, and brings derivatives, which come a round later than
+    // their number.
+    constexpr double kNear_K = 1e-6;
     constexpr int kMostRounds = 20;
     scratch = state;
     const T start_K = state.temperature_K;
@@ -213,15 +214,12 @@ class CellModel {
       const T heat_W = Heat(state, current_A);
       Move(state, current_A, step);
       Warm(state, start_K, heat_W, current_A, dt_s);
+      if (near || round == kMostRounds) return;
       const T makes_K = 0.5 * (start_K + state.temperature_K);
       const double at_K = ScalarPart(half_K);
-      const double off_K = ScalarPart(makes_K) - at_K;
-      // Derivatives come a round later than their number.
-      const bool enough = near || std::is_same_v<T, double>;
-      near = !(std::abs(off_K) > kNear_K);
-      if ((near && enough) || round == kMostRounds) return;
+      near = !(std::abs(ScalarPart(makes_K) - at_K) > kNear_K);
       // A warmer cell makes less heat: the secant, a number even where T has derivatives.
-      if (round > 0 && std::abs(at_K - before_K) > kNear_K)
+      if (round > 0 && !near)
         slope = std::min((ScalarPart(makes_K) - made_K) / (at_K - before_K), 0.5);
       before_K = at_K;
       made_K = ScalarPart(makes_K);

@@ -95,12 +95,11 @@ std::string DoubtAboutSpeed(const FlightSetup& setup,
       setup.gains.position.tilt_limit_rad * 180.0 / std::numbers::pi);
 }
 
-// That the air carried it further off than a waypoint may be missed by; "": it did not. Of waypoints that is said one by
-// one, and an estimated position drifts by itself.
+// That the air carried the vehicle off its place; "": it did not. How far a waypoint was missed is said of each, and an
+// estimated position drifts by itself.
 std::string DoubtAboutPlace(const FlightSetup& setup,
                             const FlightPlan& plan,
                             const FlightResult& flight) {
-  constexpr double kAtPlace_m = 1.0;  // as of simulator.cc
   if (!plan.arrivals_s.empty() || setup.estimate || !Blows(setup.wind)) return "";
   if (!(flight.largest_position_error_m > kAtPlace_m)) return "";
   return fmt::format(

@@ -27,10 +27,9 @@ namespace {
 namespace odeint = boost::numeric::odeint;
 
 constexpr double kWatched_s = 5.0;  // after each altitude step
-// A vehicle is at a place within it, and has lost a place when for so long it tilts as far as it may
-// and only gets further away. A gust that is overcome is shorter.
-constexpr double kAtPlace_m = 1.0;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+// A vehicle has lost a place when for so long it tilts as far as it may and only gets further away. A gust that is
+// overcome is shorter.
 constexpr double kLost_s = 5.0;
 constexpr double kAtLimit = 0.99;  // of the tilt, which its reference approaches
 constexpr double kHardestTouch_m_per_s = 1.5;

@@ -101,6 +101,9 @@ void CheckStart(double initial_soc);
 /// flight of code that was exported has that code's own frequencies.
 [[nodiscard]] ControllerOptions FlownController(const FlightSetup& setup);
 
+/// A vehicle is at a place within it.
+inline constexpr double kAtPlace_m = 1.0;
+
 /// Off course: it flew to the end, but could not hold its place or missed a waypoint.
 enum class Outcome { kCompleted, kCrashed, kBatteryEmpty, kOffCourse };
 
