@@ -204,8 +204,10 @@ TEST(Health, DoubtsAnOffsetThatNoSensorHas) {
   const std::string before = "the current sensor would have to show ";
   const std::size_t place = words.find(before);
   ASSERT_NE(place, std::string::npos) << run.out;
-  EXPECT_NEAR(std::stod(words.substr(place + before.size())), -1.95, 0.2) << run.out;
-  EXPECT_NE(words.find(" A where none flows"), std::string::npos) << run.out;
+  const std::string shown = words.substr(place + before.size());
+  std::size_t digits = 0;
+  EXPECT_NEAR(std::stod(shown, &digits), -1.95, 0.2) << run.out;
+  EXPECT_TRUE(shown.substr(digits).starts_with(" A where none flows")) << run.out;
 }
 
 // A second battery five minutes later on one clock, and a voltage that never moves.
