@@ -30,7 +30,10 @@ std::vector<RowStretch> StretchesOfOneValue(const Record& record,
   return stretches;
 }
 
-// Changes of voltage and current from one window to the next.
+// Changes of voltage and current: from one window to the next, or of these changes themselves, in which a cell that
+// relaxes hardly shows.
+enum class Order { kFirst, kSecond };
+
 struct Changes {
   double vv = 0.0, vi = 0.0, ii = 0.0, count = 0.0;
 
@@ -48,7 +51,8 @@ struct ChangesOf {
 
 ChangesOf FindChanges(const FlightSamples& flight,
                       const std::vector<RowStretch>& stretches,
-                      double after_s) {
+                      double after_s,
+                      Order order = Order::kFirst) {
   const Record& record = flight.record;
   const Eigen::VectorXd current_A =
       flight.InWindows(Eigen::Map<const Eigen::VectorXd>(record.current_A.data(),
@@ -56,15 +60,19 @@ ChangesOf FindChanges(const FlightSamples& flight,
                        flight.lag_s);
   ChangesOf found{std::vector<Changes>(stretches.size()), {}};
   std::size_t s = 0;
-  for (std::size_t w = 1; w < flight.windows.size(); ++w) {
-    const double from_s = record.time_s[flight.fresh[flight.windows[w - 1].first]] - after_s;
+  const auto change = [&](const Eigen::VectorXd& of, Eigen::Index k) {
+    return order == Order::kFirst ? of[k] - of[k - 1] : of[k] - 2.0 * of[k - 1] + of[k - 2];
+  };
+  const std::size_t before = order == Order::kFirst ? 1 : 2;
+  for (std::size_t w = before; w < flight.windows.size(); ++w) {
+    const double from_s = record.time_s[flight.fresh[flight.windows[w - before].first]] - after_s;
     const double to_s = record.time_s[flight.fresh[flight.windows[w].second - 1]] - after_s;
     while (s < stretches.size() && record.time_s[stretches[s].second] < to_s) ++s;
     const bool is_within = s < stretches.size() && from_s >= record.time_s[stretches[s].first];
     Changes& of = is_within ? found.within[s] : found.elsewhere;
     const auto k = static_cast<Eigen::Index>(w);
-    const double dv = flight.voltage_V[k] - flight.voltage_V[k - 1];
-    const double di = current_A[k] - current_A[k - 1];
+    const double dv = change(flight.voltage_V, k);
+    const double di = change(current_A, k);
     of.vv += dv * dv;
     of.vi += dv * di;
     of.ii += di * di;
@@ -157,7 +165,7 @@ std::string DoubtAboutStuckCurrent(const FlightSamples& flight) {
   const std::vector<RowStretch> stretches = StretchesOfOneValue(
       record, record.current_A, kUpdates * std::max(flight.current_update_s, flight.window_s));
   if (stretches.empty()) return "";
-  const ChangesOf changes = FindChanges(flight, stretches, flight.lag_s);
+  const ChangesOf changes = FindChanges(flight, stretches, flight.lag_s, Order::kSecond);
   const Changes& elsewhere = changes.elsewhere;
   const double coherence = elsewhere.coherence();
   if (elsewhere.count < kFewest || coherence < kLeastCoherence) return "";

@@ -455,16 +455,19 @@ Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers
         log.record, position(Quantity::kVoltage), log.report.thinned, log.report.notes);
   if (log.before && plan.volts_or_millivolts && log.before->voltage_V >= kLeast_mV)
     log.before->voltage_V /= 1000.0;
-  SettleTable(log,
-              collector.directions(),
-              options,
-              others,
-              {.time = position(Quantity::kTime),
-               .current = position(Quantity::kCurrent),
-               .voltage = position(Quantity::kVoltage),
-               .voltage_in_thousands =
-                   plan.Of(Quantity::kVoltage) && plan.Of(Quantity::kVoltage)->in_thousands},
-              plan.layout->discharge_is_positive);
+  SettleTable(
+      log,
+      collector.directions(),
+      options,
+      others,
+      {.time = position(Quantity::kTime),
+       .current = position(Quantity::kCurrent),
+       .voltage = position(Quantity::kVoltage),
+       .voltage_in_thousands =
+           plan.Of(Quantity::kVoltage) && plan.Of(Quantity::kVoltage)->in_thousands,
+       .known = plan.layout->discharge_is_positive ||
+                (options.columns.contains("current_A") && options.columns.contains("voltage_V"))},
+      plan.layout->discharge_is_positive);
   return log;
 }
 

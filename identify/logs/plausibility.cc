@@ -35,14 +35,28 @@ constexpr double kMostVoltageRatio = 2.5;
 constexpr double kLeastVoltage_V = 1.5;
 constexpr double kLeastVoltageSpread = 0.03;
 
+// Whether one falls where the other rises, from row to row, as the voltage of a battery does with its current.
+bool MoveAgainstEachOther(const Record& record) {
+  constexpr double kLeastCoherence = 0.5;
+  double vv = 0.0, vi = 0.0, ii = 0.0;
+  for (std::size_t k = 1; k < record.size(); ++k) {
+    const double dv = record.voltage_V[k] - record.voltage_V[k - 1];
+    const double di = record.current_A[k] - record.current_A[k - 1];
+    vv += dv * dv;
+    vi += dv * di;
+    ii += di * di;
+  }
+  return -vi > kLeastCoherence * std::sqrt(vv * ii);
+}
+
 bool LooksExchanged(const Record& record, const Extent& current, const Extent& voltage) {
   if (record.size() < 3 || record.voltage_V.empty()) return false;
   const bool current_is_a_voltage =
       current.least > kLeastVoltage_V && current.most < kMostVoltageRatio * current.least &&
       current.most - current.least > kLeastVoltageSpread * current.most;
-  const bool voltage_is_none =
-      voltage.least <= 0.02 * voltage.most || voltage.most - voltage.least < 0.01 * voltage.most;
-  return current_is_a_voltage && voltage_is_none;
+  if (!current_is_a_voltage) return false;
+  return voltage.least <= 0.02 * voltage.most ||
+         (voltage.most - voltage.least < 0.01 * voltage.most && !MoveAgainstEachOther(record));
 }
 
 double EmptyVoltage(const OpenCircuitVoltage& curve) {
@@ -174,7 +188,7 @@ bool ReadsCurrentLate(const Record& record) {
 std::string CheckReadable(const Record& record, const ColumnPositions& positions) {
   const Extent current = FindExtent(record.current_A);
   const Extent voltage = FindExtent(record.voltage_V);
-  if (LooksExchanged(record, current, voltage)) {
+  if (!positions.known && LooksExchanged(record, current, voltage)) {
     throw LoadError(
         positions.voltage,
         "expected a voltage, found what looks like a current, and a voltage in the column of the "

@@ -42,6 +42,8 @@ struct ColumnPositions {
   std::string_view remedy = "Say so in the header or with `units`";
   /// Each voltage may be one with a mark for thousands: 4.180.
   bool voltage_in_thousands = false;
+  /// A person or the format said which is the current and which the voltage: they are not exchanged.
+  bool known = false;
 };
 
 /// For a record of a cell or of a pack of any size, as ReadLog() returns it. LoadError with advice;

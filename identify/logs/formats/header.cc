@@ -32,23 +32,6 @@ std::string WithoutAccents(std::string_view text) {
   return plain;
 }
 
-// The wide brackets of Chinese headers as the usual ones, and the one character for degrees Celsius
-// or Fahrenheit as C or F.
-std::string Narrow(std::string_view text) {
-  std::string narrow;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const std::string_view three = text.substr(k, 3);
-    const char usual = three == "\uFF08"   ? '('
-                       : three == "\uFF09" ? ')'
-                       : three == "\u2103" ? 'C'
-                       : three == "\u2109" ? 'F'
-                                           : '\0';
-    narrow += usual != '\0' ? usual : text[k];
-    if (usual != '\0') k += 2;
-  }
-  return narrow;
-}
-
 // Blanks and hyphens as '_', never two in a row.
 std::string Normal(std::string_view text) {
   std::string normal;
@@ -60,6 +43,37 @@ std::string Normal(std::string_view text) {
 }
 
 }  // namespace
+
+std::string Narrow(std::string_view text) {
+  struct Wide {
+    std::string_view bytes;
+    char usual;
+  };
+  // The last is the micro sign of Latin-1, where that byte is no part of a longer character.
+  constexpr Wide kWide[] = {{"\uFF08", '('},
+                            {"\uFF09", ')'},
+                            {"\u2103", 'C'},
+                            {"\u2109", 'F'},
+                            {"\u00B5", 'u'},
+                            {"\u03BC", 'u'},
+                            {"\xB5", 'u'}};
+  const auto is_ascii = [&](std::size_t k) {
+    return k >= text.size() || static_cast<unsigned char>(text[k]) < 0x80;
+  };
+  std::string narrow;
+  for (std::size_t k = 0; k < text.size();) {
+    const std::string_view rest = text.substr(k);
+    const auto* const wide =
+        std::find_if(std::begin(kWide), std::end(kWide), [&](const Wide& each) {
+          return rest.starts_with(each.bytes) &&
+                 (each.bytes.size() > 1 || ((k == 0 || is_ascii(k - 1)) && is_ascii(k + 1)));
+        });
+    const bool found = wide != std::end(kWide);
+    narrow += found ? wide->usual : text[k];
+    k += found ? wide->bytes.size() : 1;
+  }
+  return narrow;
+}
 
 HeaderName ParseHeaderName(const TextCell& cell) {
   const std::string lower = LowerCase(Narrow(cell.text));

@@ -30,6 +30,10 @@ struct HeaderName {
   std::string suffix = {};  ///< that word
 };
 
+/// The wide brackets of Chinese headers as the usual ones, the one character for degrees Celsius or Fahrenheit as C or
+/// F, a micro sign or mu, of UTF-8 or Latin-1, as u.
+[[nodiscard]] std::string Narrow(std::string_view text);
+
 [[nodiscard]] HeaderName ParseHeaderName(const TextCell& cell);
 
 /// Place of a name among alternatives, "a|b"; npos where it is none of them, or "".

@@ -12,8 +12,8 @@ struct UnitRow {
   Unit unit = {};
 };
 
-// All names in lower case; other than ASCII bytes are gone (a degree or micro sign has too many
-// spellings).
+// All names in lower case; a micro sign is a u, and other bytes than ASCII are gone (a degree sign has too
+// many spellings).
 constexpr UnitRow kUnitRows[] = {
     {Quantity::kTime,
      "s|sec|secs|second|seconds|sek|sekunde|sekunden|seconde|secondes|segundo|segundos|secondi"},
@@ -31,6 +31,7 @@ constexpr UnitRow kUnitRows[] = {
     {Quantity::kCurrent, "ua|microampere|microamperes", {.divide = 1e6}},
     {Quantity::kVoltage, "v|volt|volts|voltios|voltio"},
     {Quantity::kVoltage, "mv|millivolt|millivolts", {.divide = 1000}},
+    {Quantity::kVoltage, "uv|microvolt|microvolts", {.divide = 1e6}},
     {Quantity::kTemperature, "c|degc|deg_c|deg c|celsius|degree_celsius"},
     {Quantity::kTemperature,
      "f|degf|deg_f|deg f|fahrenheit|degree_fahrenheit",
@@ -62,7 +63,7 @@ std::string_view UsualUnits(Quantity quantity) { return WordsOf(quantity).units;
 
 std::optional<Unit> FindUnit(Quantity quantity, std::string_view name) {
   std::string ascii;
-  for (const char c : LowerCase(name)) {
+  for (const char c : LowerCase(Narrow(name))) {
     if (static_cast<unsigned char>(c) < 0x80) ascii += c;
   }
   const std::string_view plain = Trimmed(ascii);  // a blank may stand behind the degree sign

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "tests/support/synthetic_flight.h"
@@ -34,6 +36,29 @@ TEST_P(StuckSensors, AreNotFoundWhereNoneIsStuck) {
   const FlightSamples flight = SampleFlight(Flown(GetParam()));
   EXPECT_EQ(flight.stuck_voltage_s, 0.0);
   EXPECT_EQ(flight.doubt, "");
+}
+
+// The electronics draw one current after the landing, to the last digit that the sensor shows, and the cell recovers.
+TEST_P(StuckSensors, ARestAfterTheFlightIsNone) {
+  Log log = Flown(GetParam());
+  std::vector<double> time_s = log.record.time_s.ToVector();
+  std::vector<double> current_A = log.record.current_A.ToVector();
+  std::vector<double> voltage_V = log.record.voltage_V.ToVector();
+  std::vector<double> temperature_degC = log.record.temperature_degC.ToVector();
+  const double end_s = time_s.back();
+  const double step_s = end_s - time_s[time_s.size() - 2];
+  const double loaded_V = voltage_V.back();
+  for (double after_s = step_s; after_s < 30.0; after_s += step_s) {
+    time_s.push_back(end_s + after_s);
+    current_A.push_back(0.38);
+    voltage_V.push_back(loaded_V + 0.05 + 0.06 * (1.0 - std::exp(-after_s / 4.0)));
+    if (!temperature_degC.empty()) temperature_degC.push_back(double{temperature_degC.back()});
+  }
+  log.record.time_s = std::move(time_s);
+  log.record.current_A = std::move(current_A);
+  log.record.voltage_V = std::move(voltage_V);
+  log.record.temperature_degC = std::move(temperature_degC);
+  EXPECT_EQ(SampleFlight(log).doubt, "");
 }
 
 TEST_P(StuckSensors, OfTheVoltageAreLeftOut) {

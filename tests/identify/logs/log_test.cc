@@ -10,6 +10,7 @@
 #include <ostream>
 #include <utility>
 
+#include "identify/logs/formats/header.h"
 #include "model/core/errors.h"
 #include "tests/support/constants.h"
 #include "tests/support/load_error.h"
@@ -144,6 +145,24 @@ TEST(PlainCsv, UnitsAreConverted) {
             240.0);
   EXPECT_EQ(ReadOf("time_ms,current_A,voltage_V\n" + std::string(kFiveRows)).record.time_s.back(),
             0.004);
+}
+
+// A micro sign that is left out makes a coin cell one of 100 Ah.
+TEST(PlainCsv, AMicroSignIsReadInEverySpelling) {
+  const std::string rows =
+      "0,0,4100000\n1,0,4100000\n2,2000,4000000\n3,2000,3990000\n4,2000,3970000\n";
+  for (const std::string micro : {"u", "\u00B5", "\u03BC", "\xB5"}) {
+    SCOPED_TRACE(micro);
+    for (const std::string& header :
+         {"Time (s),Current (" + micro + "A),Voltage (" + micro + "V)\n",
+          "time_s,current_" + micro + "A,voltage_" + micro + "V\n"}) {
+      const Log log = ReadOf(header + rows);
+      EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2e-3, 2e-3, 2e-3}));
+      EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99, 3.97}));
+    }
+  }
+  // In an encoding of Chinese the byte of that sign begins other words.
+  EXPECT_EQ(Narrow("\xB5\xE7\xC1\xF7"), "\xB5\xE7\xC1\xF7");
 }
 
 TEST(PlainCsv, UnitsMayStandInALineBelowTheNames) {

@@ -122,6 +122,25 @@ TEST(Plausibility, ExchangedColumnsAreNamed) {
   EXPECT_EQ(complaint(), "no error");
 }
 
+// The current of a calm hover moves little, and the voltage of a stiff pack less.
+TEST(Plausibility, AHoverIsNoExchangeOfColumns) {
+  Record record = OneHour(1, 1, 1);
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    record.current_A[k] = 12.5 + 0.4 * std::sin(static_cast<double>(k));
+    record.voltage_V[k] = 16.6 - 0.002 * record.current_A[k] - 1e-5 * static_cast<double>(k);
+  }
+  const auto complaint = [&](const ColumnPositions& at) {
+    return test::LoadErrorOf([&] { (void)CheckReadable(record, at); });
+  };
+  EXPECT_EQ(complaint({}), "no error");
+  // Where the two do not follow each other, who named the columns knows.
+  for (double& voltage_V : record.voltage_V) voltage_V = 16.6;
+  EXPECT_NE(complaint({}), "no error");
+  ColumnPositions named;
+  named.known = true;
+  EXPECT_EQ(complaint(named), "no error");
+}
+
 // A log of a current alone may have a column of zeros.
 TEST(Plausibility, AVoltageThatIsNoneIsNoMislabelledOne) {
   EXPECT_EQ(CheckReadable(OneHour(1, 1, 0), {}), "");
