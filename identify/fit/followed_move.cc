@@ -17,7 +17,7 @@ void Append(const Eigen::VectorXd& column, Eigen::MatrixXd& columns) {
   columns.rightCols(1) = column;
 }
 
-// What came on top of the residuals, at the means of `before`. A sweep divides the rows otherwise where it passes a
+// By how much the residuals move, at the means of `before`. A sweep divides the rows otherwise where it passes a
 // knot of v_oc(A) in another block: these means move as the last one before them that both sweeps have.
 Eigen::VectorXd MoveOfResiduals(const FittedRows& before, const FittedRows& after) {
   if (before.averaged.size() == after.averaged.size() && before.averaged == after.averaged)

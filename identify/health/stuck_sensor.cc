@@ -30,10 +30,11 @@ std::vector<RowStretch> StretchesOfOneValue(const Record& record,
   return stretches;
 }
 
-// Changes of voltage and current: from one window to the next, or of these changes themselves, in which a cell that
-// relaxes hardly shows.
+// Of changes: those from one window to the next, or how these change in turn. A cell that relaxes moves from window to
+// window, and hardly shows in the second.
 enum class Order { kFirst, kSecond };
 
+// Sums over changes of voltage and current.
 struct Changes {
   double vv = 0.0, vi = 0.0, ii = 0.0, count = 0.0;
 

@@ -24,7 +24,7 @@ namespace lipoid {
 
 /// In a sentence, that the current comes back again and again to one largest value and stays there, or shows one value
 /// for at least ten of its updates, while the voltage goes on moving as under a current that changes. "" where it does
-/// not, or nothing tells: values of a coarse sensor repeat anyway.
+/// not, as while a cell recovers after the landing, or nothing tells: values of a coarse sensor repeat anyway.
 [[nodiscard]] std::string DoubtAboutStuckCurrent(const FlightSamples& flight);
 
 }  // namespace lipoid
