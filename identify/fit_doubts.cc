@@ -70,7 +70,7 @@ std::string DoubtAboutOneCurrent(const Identification& found, const Campaign& ca
       "low rates aside, all loads of these logs are of about {:.3g} A, and none rests after a pulse: no log tests beta and "
       "the resistances, whose intervals take the model as right, and a load of another current is an extrapolation; add "
       "pulses, or a discharge at another current",
-      found.joint->logs.typical_A);
+      found.joint->logs.load_A);
 }
 
 std::string DoubtAboutNominalCharge(const Identification& found, const Campaign& campaign) {

@@ -624,15 +624,14 @@ int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given) {
   if (given) return *given;
   const int found = Told(logs, "--series", "cells in series", &FlightFacts::cells);
   if (found == 0) {
-    const int looks = logs.empty() ? 0 : CellsInSeries(FindExtent(logs[0].record.voltage_V).most);
     throw OptionError(fmt::format(
         "option --series: expected how many cells the pack has in series, which these logs do not "
         "say; give {}",
-        looks > 0
-            ? fmt::format("--series {}, which the voltage of {} looks like, or what the pack has",
-                          looks,
-                          logs[0].record.file)
-            : "--series 4, say"));
+        logs.empty()
+            ? "--series 4, say"
+            : fmt::format("--series {}, which the voltage of {} looks like, or what the pack has",
+                          CellsInSeriesInWords(FindExtent(logs[0].record.voltage_V).most),
+                          logs[0].record.file)));
   }
   return found;
 }

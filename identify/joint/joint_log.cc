@@ -302,8 +302,8 @@ double MeanTemperature(const JointLog& log) {
   return sum_K / rows;
 }
 
-// Whether a hundredth of the points under load has half as much current again as another hundredth.
-bool SeveralCurrents(const JointLogs& all) {
+// The current of the loads, and whether a hundredth of their points has half as much again as another hundredth.
+void FindCurrents(JointLogs& all) {
   constexpr double kLoad = 0.05;  // of the largest current
   constexpr double kRatio = 1.5;
   std::vector<double> loads_A;
@@ -313,10 +313,11 @@ bool SeveralCurrents(const JointLogs& all) {
       if (std::abs(current_A) > kLoad * all.largest_A) loads_A.push_back(std::abs(current_A));
     }
   }
-  if (loads_A.empty()) return false;
+  if (loads_A.empty()) return;
   const std::size_t few = loads_A.size() / 100;
   const double small_A = ValueAtPlace(loads_A, few);
-  return ValueAtPlace(loads_A, loads_A.size() - 1 - few) >= kRatio * small_A;
+  all.several_currents = ValueAtPlace(loads_A, loads_A.size() - 1 - few) >= kRatio * small_A;
+  all.load_A = ValueAtPlace(loads_A, loads_A.size() / 2);
 }
 
 // What the temperatures of the logs let be asked; every log knows its own.
@@ -411,7 +412,7 @@ JointLogs MakeJointPoints(const std::vector<LoadedLog>& logs, std::optional<LogK
     if (log.noise_V > 0.0 && !(all.noise_V > 0.0 && all.noise_V < log.noise_V))
       all.noise_V = log.noise_V;
   }
-  all.several_currents = SeveralCurrents(all);
+  FindCurrents(all);
   return all;
 }
 

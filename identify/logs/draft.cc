@@ -258,10 +258,16 @@ class Drafting {
         if (count > votes[series]) series = cells;
       }
       if (series > 1) {
+        double highest_V = 0.0;
+        for (const Test& test : tests_) {
+          if (test.series == series && test.inspection.voltage_V)
+            highest_V = std::max(highest_V, test.inspection.voltage_V->largest);
+        }
+        const bool told = CellsInSeries(highest_V) != series;
         draft_.remarks.push_back(fmt::format(
             "The voltages are those of {} cells in series; say `parallel` where several stand side "
             "by side.",
-            series));
+            told ? fmt::format("{}", series) : CellsInSeriesInWords(highest_V)));
       }
     }
     for (Test& test : tests_) MakeOneCell(test.inspection, series, options_.parallel);
@@ -521,11 +527,13 @@ class Drafting {
                         full_V));
         continue;
       }
-      const double soc = PositiveToDigits(SocAt(*low_rate_.inspection, voltage_V), 3);
+      constexpr int kDigits = 4;  // a hundredth of it would change alpha by as much and more
+      const double soc = PositiveToDigits(
+          SocAt(*low_rate_.inspection, SlowestFromFull(full_V), voltage_V), kDigits);
       each.entry->log.initial_soc = soc;
       each.entry->remarks.push_back(
           fmt::format("Does not start full: it rests at {:.4g} V before its first load, which {} "
-                      "passes at {:.3g} of its charge.",
+                      "passes at {:.4g} of its charge.",
                       voltage_V,
                       low_rate_.entry->log.file,
                       soc));
@@ -540,14 +548,44 @@ class Drafting {
     return kMostEntropy_V_per_K * std::abs(warmth->least - other_warmth->least);
   }
 
-  // Where the slow discharge, corrected for the drop that its first edge shows, has this voltage.
-  static double SocAt(const Inspection& slow, double voltage_V) {
-    const double drop_V = std::isnan(slow.edge_resistance_Ohm)
-                              ? 0.0
-                              : slow.edge_resistance_Ohm * slow.discharge->current_A;
+  // The slowest discharge from full beside the slow one; nullptr where there is none.
+  [[nodiscard]] const Inspection* SlowestFromFull(double full_V) const {
+    const Inspection* slowest = nullptr;
+    for (const Candidate& each : fast_) {
+      const Inspection& one = *each.inspection;
+      if (!(one.start_voltage_V >= full_V - kSameStart_V) || one.discharge_curve.size() < 2)
+        continue;
+      if (slowest == nullptr || one.discharge->current_A < slowest->discharge->current_A)
+        slowest = &one;
+    }
+    return slowest;
+  }
+
+  // Of a discharge, after this charge; NaN where it had ended.
+  static double VoltageAfter(const Inspection& one, double charge_C) {
+    const double share = 1.0 - charge_C / one.discharge->charge_C;
+    const auto& curve = one.discharge_curve;  // from 1 to 0
+    const auto behind = std::find_if(
+        curve.begin(), curve.end(), [&](const auto& point) { return point.first <= share; });
+    if (behind == curve.end() || behind == curve.begin()) return kNaN;
+    const auto& [lower, lower_V] = *behind;
+    const auto& [upper, upper_V] = *std::prev(behind);
+    return lower_V + (share - lower) / (upper - lower) * (upper_V - lower_V);
+  }
+
+  // Where the slow discharge, corrected for its drop, has this voltage. By how much less a faster one has after the
+  // same charge says what the whole resistance drops; without one the first edge has to do, which shows r_s alone.
+  static double SocAt(const Inspection& slow, const Inspection* fast, double voltage_V) {
+    const double slow_A = slow.discharge->current_A;
+    double drop_V = std::isnan(slow.edge_resistance_Ohm) ? 0.0 : slow.edge_resistance_Ohm * slow_A;
     double above_soc = 1.0;
     double above_V = slow.start_voltage_V;
     for (const auto& [soc, under_load_V] : slow.discharge_curve) {
+      if (fast != nullptr) {
+        const double less_V =
+            under_load_V - VoltageAfter(*fast, (1.0 - soc) * slow.discharge->charge_C);
+        if (less_V > 0.0) drop_V = less_V * slow_A / (fast->discharge->current_A - slow_A);
+      }
       const double rest_V = under_load_V + drop_V;
       if (rest_V <= voltage_V) {
         const double share = above_V > rest_V ? (voltage_V - rest_V) / (above_V - rest_V) : 0.0;

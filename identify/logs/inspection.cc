@@ -33,10 +33,33 @@ std::vector<std::pair<double, double>> CurveOf(const Record& record, const Disch
   const double before_C = discharge.first > 0 ? charge_C[discharge.first - 1] : 0.0;
   const std::size_t rows = discharge.last - discharge.first + 1;
   const std::size_t step = std::max<std::size_t>(1, rows / kPoints);
-  for (std::size_t k = discharge.first; k <= discharge.last; k += step) {
-    curve.emplace_back(1.0 - (charge_C[k] - before_C) / discharge.charge_C, record.voltage_V[k]);
+  for (std::size_t first = discharge.first; first <= discharge.last; first += step) {
+    // Means: on a flat curve the noise of a single row is some hundredths of the charge.
+    const std::size_t end = std::min(first + step, discharge.last + 1);
+    double taken_C = 0.0;
+    double sum_V = 0.0;
+    for (std::size_t k = first; k < end; ++k) {
+      taken_C += charge_C[k] - before_C;
+      sum_V += record.voltage_V[k];
+    }
+    const auto count = static_cast<double>(end - first);
+    curve.emplace_back(1.0 - taken_C / count / discharge.charge_C, sum_V / count);
   }
   return curve;
+}
+
+// Over the last twentieth of a rest: less than a cell still relaxes there, and less noise than a single row has.
+double RestedVoltage(const Record& record, const Segment& rest) {
+  constexpr double kShare = 0.05;
+  const double from_s =
+      record.time_s[rest.last] - kShare * (record.time_s[rest.last] - record.time_s[rest.first]);
+  double sum_V = 0.0;
+  double count = 0.0;
+  for (std::size_t k = rest.last + 1; k-- > rest.first && record.time_s[k] >= from_s;) {
+    sum_V += record.voltage_V[k];
+    count += 1.0;
+  }
+  return sum_V / count;
 }
 
 // What a load holds that does not hold the current: its power, or its resistance. Empty where neither is steadier.
@@ -102,7 +125,7 @@ Inspection InspectRows(const Record& record, const LogReport& report) {
   if (inspection.discharge) inspection.discharge_curve = CurveOf(record, *inspection.discharge);
   if (!inspection.segments.empty() && inspection.segments[0].kind == SegmentKind::kRest &&
       inspection.segments.size() > 1 && !record.voltage_V.empty()) {
-    inspection.start_voltage_V = record.voltage_V[inspection.segments[0].last];
+    inspection.start_voltage_V = RestedVoltage(record, inspection.segments[0]);
   }
   inspection.suggestion =
       report.flight ? Suggestion{std::nullopt, "a flight, which is no test of a laboratory"}

@@ -113,13 +113,32 @@ LateRows CountLateRows(const Record& record) {
 
 }  // namespace
 
+namespace {
+
+constexpr double kHighestCell_V =
+    4.38;  // of a high-voltage cell when full, and the error of a sensor
+
+}  // namespace
+
 int CellsInSeries(double highest_V) {
   constexpr double kFullCell_V = 4.2;
-  constexpr double kHighestCell_V = 4.45;
   constexpr double kOneCell_V = 5.0;
   if (!(highest_V > kOneCell_V) || highest_V > kMostPack_V) return 1;
   const double least = std::ceil(highest_V / kHighestCell_V);
   return static_cast<int>(std::max(least, std::round(highest_V / kFullCell_V)));
+}
+
+std::string CellsInSeriesInWords(double highest_V) {
+  constexpr double kLeastFull_V = 4.1;
+  constexpr double kMostFull_V = 4.25;
+  constexpr double kLeastFlown_V = 3.6;  // fewer begin a test or a flight below it
+  const int cells = CellsInSeries(highest_V);
+  if (cells == 1) return "1";
+  const double of_one_V = highest_V / cells;
+  if (of_one_V >= kLeastFull_V && of_one_V <= kMostFull_V) return fmt::format("{}", cells);
+  if (highest_V / (cells - 1) <= kHighestCell_V) return fmt::format("{} or {}", cells - 1, cells);
+  if (highest_V / (cells + 1) >= kLeastFlown_V) return fmt::format("{} or {}", cells, cells + 1);
+  return fmt::format("{}", cells);
 }
 
 std::string DoubtAboutTime(const Record& record) {

@@ -30,8 +30,11 @@ inline constexpr double kMostCell_V = 6.0;
 /// No lithium cell is empty above it, whatever its chemistry: LFP, LTO and cells for storage are at less.
 inline constexpr double kHighestCutoff_V = 3.5;
 
-/// How many lithium cells in series have this voltage at most, in V: those of 3 to 4.45 V each.
+/// How many lithium cells in series have this voltage at most, in V: those nearest to 4.2 V each, never above 4.38 V.
 [[nodiscard]] int CellsInSeries(double highest_V);
+/// The same, or "7 or 8" where one cell more would begin at 3.6 V or above, or one less at 4.38 V or below, and the
+/// cells are not full by the one number alone.
+[[nodiscard]] std::string CellsInSeriesInWords(double highest_V);
 
 /// Where the columns of a record are named in its file.
 struct ColumnPositions {

@@ -204,9 +204,12 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
   item("current", FromTo(log.current_A, "A"));
   item("sign", Sign(log.report));
   item("voltage", log.voltage_V ? FromTo(*log.voltage_V, "V") : "none");
-  if (const int series = log.voltage_V ? CellsInSeries(log.voltage_V->largest) : 1;
-      series > 1 && (!log.report.flight || log.report.flight->cells == 0))
-    item("pack", fmt::format("{} cells in series, by the voltage", series));
+  if (log.voltage_V && CellsInSeries(log.voltage_V->largest) > 1 &&
+      (!log.report.flight || log.report.flight->cells == 0)) {
+    item("pack",
+         fmt::format("{} cells in series, by the voltage",
+                     CellsInSeriesInWords(log.voltage_V->largest)));
+  }
   if (log.temperature_degC) item("temperature", FromTo(*log.temperature_degC, "degC"));
   double in_gaps_C = 0.0;
   for (const Gap& gap : log.report.gaps) in_gaps_C += gap.unknown_C;

@@ -334,6 +334,39 @@ TEST(JointRun, AWrongStartLeadsAlphaNoFurtherThanItsBound) {
   EXPECT_TRUE(OneSays(result.cautions, "pulses.csv (20 %)"));
 }
 
+// Every log goes down to the cut-off, and the fast ones of three begin at 0.5 where 0.56 is said: alpha is what makes
+// both starts right, and v_oc(A) is at the cut-off with charge left, which no cell that started full has.
+TEST(JointRun, AWrongStartIsDoubtedByTheEndOfTheCurve) {
+  const Cell truth = TruthOf();
+  const auto with = [&](double said) {
+    auto logs = test::SyntheticLogs(truth, 5.0, kSmallNoise_V);
+    for (LoadedLog* log : {&logs[1], &logs[2], &logs.back()}) {
+      Record& record = log->log.record;
+      record.voltage_V =
+          Predict(truth, record.time_s, record.current_A, record.hold, 0.5).voltage_V;
+      std::size_t rows = 0;
+      while (rows < record.size() && record.voltage_V[rows] > 3.0) ++rows;
+      rows = std::min(rows + 1, record.size());  // the row that crosses the cut-off
+      for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V})
+        column->resize(rows);
+      log->entry.initial_soc = said;
+    }
+    return Identify(logs);
+  };
+  EXPECT_EQ(with(0.5).alpha_doubt, "");
+  const JointResult wrong = with(0.56);
+  ASSERT_GT(std::abs(wrong.alpha_C - truth.alpha_C()), 0.02 * truth.alpha_C());
+  EXPECT_NE(wrong.alpha_doubt.find("% of that left: a full cell gives "), std::string::npos)
+      << wrong.alpha_doubt;
+  const auto at = wrong.alpha_doubt.find("which would make initial_soc ");
+  ASSERT_NE(at, std::string::npos) << wrong.alpha_doubt;
+  double would = 0.0;
+  ASSERT_EQ(
+      std::sscanf(wrong.alpha_doubt.c_str() + at, "which would make initial_soc %lf for", &would),
+      1);
+  EXPECT_NEAR(would, 0.5, 0.01);
+}
+
 // ---- little data -------------------------------------------------------------------------------
 
 TEST(JointRun, AGivenCurveAndOnePulseAreAProblem) {
