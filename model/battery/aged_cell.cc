@@ -1,5 +1,8 @@
 #include "model/battery/aged_cell.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <utility>
 
 #include "model/core/errors.h"
@@ -34,6 +37,22 @@ Cell Resized(Cell cell, double factor) {
     cell.temperature->heat->thermal_resistance_K_per_W /= factor;
   }
   return cell;
+}
+
+std::string DoubtAboutSize(const Cell& cell, double factor) {
+  constexpr double kUsual = 0.1;  // by which labels and cells differ
+  const double share = cell.alpha_C() / 3600.0 / cell.capacity_Ah;
+  if (factor == 1.0 || std::abs(share - 1.0) <= kUsual) return "";
+  const double given_Ah = factor * cell.capacity_Ah;
+  return fmt::format(
+      "{} gives {:.3g} % of its nominal capacity, and so a cell of {:.4g} Ah is taken to give {:.3g} Ah: of one "
+      "that gives {:.4g} Ah, say --capacity-Ah {:.3g}, or take another cell file",
+      cell.name,
+      100.0 * share,
+      given_Ah,
+      share * given_Ah,
+      given_Ah,
+      given_Ah / share);
 }
 
 }  // namespace lipoid

@@ -290,24 +290,6 @@ std::string DoubtAboutDraws(const EnduranceVariable& variable, const Uncertain& 
       variable.valid.hi);
 }
 
-// A capacity that is given is a nominal one, as that of the cell file is.
-std::string DoubtAboutSize(const EnduranceRequest& request) {
-  constexpr double kUsual = 0.1;  // by which labels and cells differ
-  const Cell& cell = request.cell;
-  const double share = cell.alpha_C() / 3600.0 / cell.capacity_Ah;
-  if (request.size_factor == 1.0 || std::abs(share - 1.0) <= kUsual) return "";
-  const double given_Ah = request.size_factor * cell.capacity_Ah;
-  return fmt::format(
-      "{} gives {:.3g} % of its nominal capacity, and so a cell of {:.4g} Ah is taken to give {:.3g} Ah: of one "
-      "that gives {:.4g} Ah, say --capacity-Ah {:.3g}, or take another cell file",
-      cell.name,
-      100.0 * share,
-      given_Ah,
-      share * given_Ah,
-      given_Ah,
-      given_Ah / share);
-}
-
 }  // namespace
 
 std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
@@ -317,7 +299,7 @@ std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
     if (!doubt.empty()) doubts.push_back(std::move(doubt));
   };
   add(DoubtAboutPack(request.vehicle, request.cell.series));
-  add(DoubtAboutSize(request));
+  add(DoubtAboutSize(request.cell, request.size_factor));
   if (request.uncertain()) {
     const std::string few = DoubtAboutFew(answer.flights.size(), "flights");
     add(few.empty() ? OutsideInterval(answer) : few);

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <boost/math/tools/minima.hpp>
 
-#include "model/battery/aged_cell.h"
 #include "model/battery/cell_ensemble.h"
 #include "model/battery/ranges.h"
 #include "model/battery/rest_voltage.h"
@@ -18,8 +17,6 @@
 
 namespace lipoid {
 namespace {
-
-constexpr double kGram_kg = 1e-3;
 
 template <class T>
 Uncertain& Of(std::optional<T>& number) {

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/battery/aged_cell.h"
 #include "model/battery/prediction.h"
 #include "model/core/option_kinds.h"
 #include "model/core/options.h"
@@ -26,9 +27,6 @@
 namespace lipoid {
 
 // What the options of a request may be.
-inline constexpr Range kPayloads_kg{0.0, 1e3};
-inline constexpr Range kCapacityShares{0.01, 2.0};
-inline constexpr Range kResistanceFactors{0.01, 100.0};
 inline constexpr Range kPowerFactors{0.01, 100.0};
 inline constexpr Range kReserves{0.0, 0.99};
 inline constexpr Range kAirspeeds_m_per_s{0.0, 100.0};
@@ -85,7 +83,7 @@ struct EnduranceChoices {
       "a vehicle file, or the name of a shipped vehicle; not needed where the mission is a power");
     v("capacity_Ah",
       self.capacity_Ah,
-      Range{1e-3, 1e5},
+      kCapacities_Ah,
       "nominal capacity of a cell of the pack, where it is a larger or a smaller one of the kind in "
       "the cell file: its charge, resistances and heat go with the size");
     v("once", self.once, Names(), "fly the mission of a file once instead of again and again");

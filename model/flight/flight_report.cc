@@ -152,6 +152,8 @@ Json FlownToJson(const FlightSetup& setup,
       json["maneuver_options"][name] = value;
   }
   json["vehicle"] = setup.vehicle.name;
+  json["mass_kg"] = setup.vehicle.mass_kg;
+  json["capacity_Ah"] = setup.cell ? Json(setup.cell->capacity_Ah) : Json(nullptr);
   json["battery"] = setup.cell ? setup.cell->name : fmt::format("ideal source, xi = {}", setup.xi);
   json["gains"] = setup.gains.name;
   json["controller"] = setup.controller.law;

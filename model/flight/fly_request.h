@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "model/battery/aged_cell.h"
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "model/core/option_kinds.h"
@@ -26,6 +27,10 @@ struct FlyRequest {
   std::optional<double> xi = {};
   std::optional<double> duration_s = {};
   std::optional<double> log_step_s = {};
+  double payload_g = 0.0;
+  std::optional<double> capacity_Ah = {};
+  double health = 1.0;
+  double resistance_factor = 1.0;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
@@ -73,6 +78,40 @@ struct FlyRequest {
       kAirTemperatures_degC,
       "temperature of the air in degC, from which the battery starts and warms; by default the "
       "reference temperature of the cell");
+    v("payload_g",
+      self.payload_g,
+      Range{kPayloads_kg.lo / kGram_kg, kPayloads_kg.hi / kGram_kg},
+      "mass in g that the vehicle carries besides its own, at its centre of mass");
+    v("capacity_Ah",
+      self.capacity_Ah,
+      kCapacities_Ah,
+      "nominal capacity of a cell of the pack, where it is a larger or a smaller one of the kind in "
+      "the cell file: its charge, resistances and heat go with the size");
+    v("health",
+      self.health,
+      kCapacityShares,
+      "capacity left, as a share of that in the cell file or of --capacity-Ah");
+    v("resistance_factor",
+      self.resistance_factor,
+      kResistanceFactors,
+      "resistance of the aged cell over that in the cell file");
+  }
+
+  /// Whether the cell that flies is another one than that of the cell file.
+  [[nodiscard]] bool ChangesCell() const {
+    return capacity_Ah || health != 1.0 || resistance_factor != 1.0;
+  }
+  [[nodiscard]] double SizeFactor(const Cell& of_file) const {
+    return capacity_Ah ? *capacity_Ah / of_file.capacity_Ah : 1.0;
+  }
+  /// The cell that flies, of that of the cell file or one drawn from its uncertainty.
+  [[nodiscard]] Cell Aboard(const Cell& of_file) const {
+    return Resized(Aged(of_file, health, resistance_factor), SizeFactor(of_file));
+  }
+  /// The vehicle with what it carries.
+  [[nodiscard]] Vehicle Loaded(Vehicle empty) const {
+    empty.mass_kg += kGram_kg * payload_g;
+    return empty;
   }
 
   [[nodiscard]] std::string VehicleName() const {

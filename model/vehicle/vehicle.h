@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "model/core/options.h"
 #include "model/vehicle/rotor_layout.h"
 
 namespace lipoid {
@@ -48,6 +49,9 @@ struct RotorSums {
   double right_squared = 0.0;  ///< of f sin²
   double per_thrust = 0.0;     ///< of 1/f
 };
+
+inline constexpr Range kPayloads_kg{0.0, 1e3};  ///< what a vehicle may be asked to carry
+inline constexpr double kGram_kg = 1e-3;
 
 struct Vehicle {
   std::string name;

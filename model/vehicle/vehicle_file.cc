@@ -334,7 +334,7 @@ std::string DoubtAboutEnergy(const Vehicle& vehicle, const Cell& cell) {
   if (energy_Wh <= kMost_Wh_per_kg * vehicle.mass_kg) return "";
   return fmt::format(
       "a pack of {:.4g} Wh has at least {:.3g} kg, more than the {:.3g} kg of {} with its pack: is the capacity in "
-      "mAh, where Ah are expected? Else give the number of cells, or the vehicle, that fit it; lipoid endurance "
+      "mAh, where Ah are expected? Else give the number of cells, or the vehicle, that fit it; "
       "--capacity-Ah takes another size of such a cell",
       energy_Wh,
       energy_Wh / kMost_Wh_per_kg,

@@ -459,6 +459,10 @@ class FlyOptions(TypedDict, total=False):
     log_step_s: float | None
     waypoints: Path | None
     ambient_degC: float | None
+    payload_g: float
+    capacity_Ah: float | None
+    health: float
+    resistance_factor: float
     series: int | None
     parallel: int | None
     initial_soc: float | None

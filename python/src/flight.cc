@@ -72,20 +72,27 @@ nb::tuple FlyManeuver(const std::string& name,
     setup.cell = nb::cast<const PythonCell&>(cell).cell;
     made.pack.ApplyTo(*setup.cell);
     setup.initial_soc = made.start.Soc(*setup.cell, {.ambient_degC = setup.ambient_degC});
-  } else if (made.pack.given() || made.start.given()) {
+  } else if (made.pack.given() || made.start.given() || asked.ChangesCell()) {
     throw OptionError(
-        "options series, parallel, initial_soc and initial_voltage_V are for a cell; an ideal source "
-        "has xi");
+        "options series, parallel, initial_soc, initial_voltage_V, capacity_Ah, health and "
+        "resistance_factor are for a cell; an ideal source has xi");
   }
   if (setup.cell && asked.xi)
     throw OptionError("option xi is for an ideal source: give cell=None, or leave xi out");
   if (!setup.cell && setup.ambient_degC)
     throw OptionError("option ambient_degC is for a cell; an ideal source has none");
-  if (setup.ambient_degC && !setup.cell->temperature)
-    setup.cell = WithTypicalTemperature(*setup.cell);
+  std::string about_size;
+  if (setup.cell) {
+    const Cell of_file = *setup.cell;
+    const double size = asked.SizeFactor(of_file);
+    setup.cell = asked.Aboard(setup.ambient_degC && !of_file.temperature
+                                  ? WithTypicalTemperature(of_file, size)
+                                  : of_file);
+    about_size = DoubtAboutSize(of_file, size);
+  }
   setup.xi = asked.xi.value_or(1.0);
   made.request.waypoints_file = asked.waypoints.path;
-  setup.vehicle = LoadVehicle(asked.VehicleName());
+  setup.vehicle = asked.Loaded(LoadVehicle(asked.VehicleName()));
   CheckFlight(setup, maneuver, made.request, asked.duration_s.has_value());
   setup.gains = GainsFor(asked.gains.path, setup.vehicle, "aware", setup.controller.law);
   setup.seed = seed;
@@ -116,7 +123,9 @@ nb::tuple FlyManeuver(const std::string& name,
         summary.update(FlownToJson(setup, maneuver, made.request));
         summary["doubts"] = FlightDoubts(setup, plan, flight);
         summary["loops"] = StabilityToJson(hovers);
-        summary["messages"] = WarningsBeforeFlight(setup, maneuver, plan, hovers);
+        auto messages = WarningsBeforeFlight(setup, maneuver, plan, hovers);
+        if (!about_size.empty()) messages.insert(messages.begin(), about_size);
+        summary["messages"] = messages;
       },
       progress,
       threads);

@@ -69,6 +69,36 @@ def test_says_before_and_after_a_flight_what_the_program_says(
     )
 
 
+def test_a_payload_and_an_aged_pack_are_options_as_of_the_program(
+    program: Lipoid, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A cell that gives 63 % of its label, in another size, in the cold: every doubt is said."""
+    asked: dict[str, Any] = {
+        "series": 4,
+        "payload_g": 200.0,
+        "capacity_Ah": 5.0,
+        "health": 0.8,
+        "resistance_factor": 1.5,
+        "ambient_degC": 5.0,
+        "duration": 5.0,
+    }
+    words: list[Any] = []
+    for name, value in asked.items():
+        words += ["--" + name.replace("_", "-"), value]
+    theirs = program(
+        "fly", "hover", "--cell", "gifi-600mAh-1", "--vehicle", "f450", *words, folder=tmp_path
+    )
+    flight = lipoid.fly("hover", cell="gifi-600mAh-1", vehicle="f450", **asked)
+    for key in ("charge_C", "final_voltage_V", "mass_kg", "capacity_Ah", "final_temperature_degC"):
+        assert flight.summary[key] == theirs[key], key
+    size = [said for said in caplog.messages if "of its nominal capacity" in said]
+    assert len(size) == 1
+    said = size[0].removeprefix("gifi-600mAh-1: ").replace("capacity_Ah=7.98", "--capacity-Ah 7.98")
+    assert said in theirs["messages"]
+    with pytest.raises(lipoid.OptionError, match="are for a cell; an ideal source has xi"):
+        lipoid.fly("hover", cell=None, health=0.8)
+
+
 def test_pack_and_start_are_options_as_of_the_program(program: Lipoid, tmp_path: Path) -> None:
     """A pack of two in parallel, which rested at 3.9 V."""
     theirs = program(

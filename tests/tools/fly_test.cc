@@ -442,6 +442,11 @@ TEST(Fly, SaysWhatDoesNotGoTogether) {
   EXPECT_EQ(error({"hover", "--xi", "1", "--initial-soc", "0.5"}),
             "2 lipoid fly: error: options --initial-soc and --initial-voltage-V are for a cell; an "
             "ideal source has --xi\n");
+  EXPECT_EQ(
+      error({"hover", "--xi", "1", "--health", "0.9"}),
+      "2 lipoid fly: error: options --capacity-Ah, --health and --resistance-factor are for a cell; an ideal "
+      "source does not run empty and has no resistance\n");
+  EXPECT_EQ(error({"hover", "--payload-g", "-5"}).substr(0, 2), "2 ");
   EXPECT_EQ(error({"waypoints"}),
             "2 lipoid fly: error: maneuver waypoints needs a file of places: --waypoints FILE\n");
   EXPECT_EQ(error({"endurance", "--xi", "1"}),
@@ -787,6 +792,57 @@ TEST(Fly, HelpSaysWhereAFlightStarts) {
   const auto help = RunLipoid(TestFolder(), {"fly", "--help"});
   EXPECT_NE(help.out.find("state of charge at the start; 1 is full"), std::string::npos)
       << help.out;
+}
+
+// `endurance` hovers with the same pack and vehicle, by its own steps and without a controller.
+TEST(Fly, CarriesAPayloadOnAnAgedPackOfAnotherSize) {
+  const std::string folder = TestFolder();
+  const std::vector<std::string> pack{
+      "--vehicle", "f450", "--cell", "grepow-32Ah-1", "--series", "4", "--capacity-Ah", "5"};
+  const auto flown = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"fly", "hover", "--duration", "60", "--summary", "s.json"};
+    words.insert(words.end(), pack.begin(), pack.end());
+    words.insert(words.end(), more.begin(), more.end());
+    const auto run = RunLipoid(folder, words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    Json summary = ReadJson(folder, "s.json");
+    summary["said"] = run.err;
+    return summary;
+  };
+  const std::vector<std::string> asked{
+      "--payload-g", "300", "--health", "0.8", "--resistance-factor", "1.5"};
+  const Json bare = flown({});
+  const Json laden = flown(asked);
+  EXPECT_NEAR(laden.at("mass_kg").get<double>() - bare.at("mass_kg").get<double>(), 0.3, 1e-12);
+  EXPECT_DOUBLE_EQ(bare.at("capacity_Ah").get<double>(), 5.0);
+  EXPECT_DOUBLE_EQ(laden.at("capacity_Ah").get<double>(), 4.0);
+  EXPECT_NE(
+      laden.at("said").get<std::string>().find(
+          "f450 with 300 g more on grepow-32Ah-1 in a size of 5 Ah with 0.8 of its capacity and 1.5 times "
+          "its resistance"),
+      std::string::npos)
+      << laden.at("said");
+  // The same charge lasts the same time and leads to the same voltage.
+  std::vector<std::string> hovering{"endurance",
+                                    "--reserve",
+                                    fmt::format("{}", laden.at("remaining_soc").get<double>()),
+                                    "--summary",
+                                    "e.json"};
+  hovering.insert(hovering.end(), pack.begin(), pack.end());
+  hovering.insert(hovering.end(), asked.begin(), asked.end());
+  const auto run = RunLipoid(folder, hovering);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json endurance = ReadJson(folder, "e.json");
+  EXPECT_NEAR(endurance.at("minutes").get<double>(), 1.0, 0.005);
+  EXPECT_NEAR(endurance.at("landing_voltage_V").get<double>(),
+              laden.at("final_voltage_V").get<double>(),
+              0.005);
+  // The share that is left goes with the charge of the aged pack.
+  const double used = 1.0 - laden.at("remaining_soc").get<double>();
+  const double alpha_C = laden.at("charge_C").get<double>() / used;
+  const double bare_alpha_C =
+      bare.at("charge_C").get<double>() / (1.0 - bare.at("remaining_soc").get<double>());
+  EXPECT_NEAR(alpha_C / bare_alpha_C, 0.8, 0.005);
 }
 
 // A vehicle for four cells on one: it says so, and on four it hovers at its own current.

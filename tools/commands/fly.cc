@@ -150,10 +150,34 @@ void CheckSource(Battery source,
   if (source == Battery::kIdeal && ensemble.asked()) {
     throw OptionError("option --ensemble is for a cell; an ideal source has no uncertainty");
   }
+  if (source == Battery::kIdeal && asked.ChangesCell()) {
+    throw OptionError(
+        "options --capacity-Ah, --health and --resistance-factor are for a cell; an ideal source does "
+        "not run empty and has no resistance");
+  }
   if (source == Battery::kIdeal && asked.setup.ambient_degC) {
     throw OptionError(
         "option --ambient-degC is for a cell; an ideal source has the same voltage in the cold");
   }
+}
+
+// The vehicle with what it carries, and the battery with what makes it another one than the cell file's.
+std::string WhatFlies(const FlyRequest& asked) {
+  const FlightSetup& setup = asked.setup;
+  std::string text = setup.vehicle.name;
+  if (asked.payload_g > 0.0) text += fmt::format(" with {:g} g more", asked.payload_g);
+  if (!setup.cell) {
+    return text + fmt::format(" on an ideal source of {:.3f} V",
+                              setup.xi * setup.vehicle.nominal_voltage_V);
+  }
+  text += " on " + setup.cell->name;
+  if (asked.capacity_Ah) text += fmt::format(" in a size of {:g} Ah", *asked.capacity_Ah);
+  std::vector<std::string> aged;
+  if (asked.health != 1.0) aged.push_back(fmt::format("{:g} of its capacity", asked.health));
+  if (asked.resistance_factor != 1.0)
+    aged.push_back(fmt::format("{:g} times its resistance", asked.resistance_factor));
+  if (!aged.empty()) text += fmt::format(" with {}", fmt::join(aged, " and "));
+  return text;
 }
 
 }  // namespace
@@ -181,6 +205,9 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
       "lipoid fly altitude-steps --cell gifi-600mAh-1 --vehicle mambo-coupled -o flight.csv");
   line.Example("lipoid fly altitude-steps --battery ideal --xi 0.8 --gains unaware");
   line.Example("lipoid fly hover --cell cell.json --ensemble 200");
+  line.Example(
+      "lipoid fly endurance --cell grepow-32Ah-1 --capacity-Ah 5 --series 4 --vehicle f450 "
+      "--payload-g 150 --health 0.8");
   line.Argument("MANEUVER", maneuver_name, fmt::format("one of: {}", fmt::join(names, ", ")));
   line.Option("battery",
               battery,
@@ -245,12 +272,13 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
     setup.cell = LoadCell(line, cell_name);
     pack.ApplyTo(*setup.cell);
-    if (setup.ambient_degC) setup.cell = KnowingTemperature(line, *setup.cell, cell_name);
+    if (setup.ambient_degC)
+      setup.cell = KnowingTemperature(line, *setup.cell, cell_name, asked.SizeFactor(*setup.cell));
     setup.initial_soc = start.Soc(*setup.cell, {.ambient_degC = setup.ambient_degC});
   }
   setup.xi = asked.xi.value_or(1.0);
   request.waypoints_file = asked.waypoints.path;
-  setup.vehicle = LoadVehicle(asked.VehicleName());
+  setup.vehicle = asked.Loaded(LoadVehicle(asked.VehicleName()));
   CheckFlight(setup, maneuver, request, asked.duration_s.has_value());
   setup.gains = GainsFor(asked.gains.path, setup.vehicle, "aware", setup.controller.law);
   setup.seed = line.seed();
@@ -265,9 +293,17 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (asked.duration_s) plan.duration_s = *asked.duration_s;
   const double step_s = asked.LogStep_s(plan.duration_s);
   EnsembleOption::Drawn drawn;
-  if (ensemble.asked())
+  if (ensemble.asked()) {
     drawn =
         ensemble.Draw(line, *setup.cell, cell_name, start, {.ambient_degC = setup.ambient_degC});
+    for (Cell& cell : drawn.cells) cell = asked.Aboard(cell);
+  }
+  if (setup.cell) {
+    const Cell of_file = *setup.cell;
+    setup.cell = asked.Aboard(of_file);
+    if (const auto doubt = DoubtAboutSize(of_file, asked.SizeFactor(of_file)); !doubt.empty())
+      line.Message("{}", doubt);
+  }
 
   const auto hovers = CheckFlightLoops(setup);
   for (const std::string& warning : WarningsBeforeFlight(setup, maneuver, plan, hovers))
@@ -313,11 +349,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     PrintEnsemble(line, flight, flights);
   }
   if (setup.gains.name == kPlacedGains) line.Message("{}", PlaceGains(setup.vehicle).Brief());
-  line.Message("{} on {}, {} gains{}",
-               setup.vehicle.name,
-               setup.cell ? setup.cell->name
-                          : fmt::format("an ideal source of {:.3f} V",
-                                        setup.xi * setup.vehicle.nominal_voltage_V),
+  line.Message("{}, {} gains{}",
+               WhatFlies(asked),
                setup.gains.name,
                setup.controller.compensate ? ", commands compensated for the voltage" : "");
   const auto doubts = FlightDoubts(setup, plan, flight);
