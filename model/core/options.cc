@@ -19,6 +19,26 @@ std::string FormatRange(const Range& range, bool integral) {
   return integral ? "a whole number" : "a number";
 }
 
+namespace {
+
+// What to write instead of a number with something behind it, which is a unit, or percent of a share.
+std::string Remedy(std::string_view text, const Range& range) {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string_view behind = text.substr(static_cast<std::size_t>(end - text.data()));
+  if (error != std::errc{} || behind.empty()) return "";
+  constexpr double kPercent = 0.01;
+  constexpr double kMostOfAShare = 2.0;
+  if (behind == "%" && range.hi <= kMostOfAShare && range.Contains(kPercent * value))
+    return fmt::format(": write {:g}", kPercent * value);
+  const char first = behind.front();
+  const bool letter = (first >= 'a' && first <= 'z') || (first >= 'A' && first <= 'Z');
+  const bool in_utf8 = (static_cast<unsigned char>(first) & 0x80U) != 0;  // a degree or micro sign
+  return letter || in_utf8 ? ": write the number alone, in the option's own unit" : "";
+}
+
+}  // namespace
+
 double ParseDouble(std::string_view name, std::string_view text, const Range& range) {
   double value = std::numeric_limits<double>::quiet_NaN();
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -26,11 +46,12 @@ double ParseDouble(std::string_view name, std::string_view text, const Range& ra
   // A range without an end means any number, and infinity is none.
   if (!whole || !std::isfinite(value) || !range.Contains(value)) {
     const std::string valid = FormatRange(range, false);
-    throw OptionError(fmt::format("option {}: expected {}{}, found '{}'",
+    throw OptionError(fmt::format("option {}: expected {}{}, found '{}'{}",
                                   name,
                                   whole || valid == "a number" ? "" : "a number, ",
                                   valid,
-                                  text));
+                                  text,
+                                  Remedy(text, range)));
   }
   return value;
 }
@@ -55,11 +76,12 @@ int ParseInt(std::string_view name, std::string_view text, const Range& range) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !range.Contains(value)) {
     const std::string valid = FormatRange(range, true);
-    throw OptionError(fmt::format("option {}: expected {}{}, found '{}'",
+    throw OptionError(fmt::format("option {}: expected {}{}, found '{}'{}",
                                   name,
                                   valid == "a whole number" ? "" : "a whole number, ",
                                   valid,
-                                  text));
+                                  text,
+                                  Remedy(text, range)));
   }
   return value;
 }

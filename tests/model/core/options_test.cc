@@ -72,8 +72,22 @@ TEST(Options, RefusalsNameTheOptionTheTextAndWhatIsValid) {
             "option any: expected a whole number, found '9999999999'");
   EXPECT_EQ(Refusal("tolerance", "-1"), "option tolerance: expected 0 .. 1, found '-1'");
   EXPECT_EQ(Refusal("tolerance", "nan"), "option tolerance: expected 0 .. 1, found 'nan'");
-  EXPECT_EQ(Refusal("tolerance", "0.5x"),
-            "option tolerance: expected a number, 0 .. 1, found '0.5x'");
+  EXPECT_EQ(
+      Refusal("tolerance", "0.5x"),
+      "option tolerance: expected a number, 0 .. 1, found '0.5x': write the number alone, in the option's own "
+      "unit");
+  EXPECT_EQ(
+      Refusal("tolerance", "25°C"),
+      "option tolerance: expected a number, 0 .. 1, found '25°C': write the number alone, in the option's own "
+      "unit");
+  EXPECT_EQ(
+      Refusal("terms", "4S"),
+      "option terms: expected a whole number, 0 .. 1000, found '4S': write the number alone, in the option's own "
+      "unit");
+  EXPECT_EQ(Refusal("tolerance", "90%"),
+            "option tolerance: expected a number, 0 .. 1, found '90%': write 0.9");
+  EXPECT_EQ(Refusal("tolerance", "900%"),
+            "option tolerance: expected a number, 0 .. 1, found '900%'");
   EXPECT_EQ(Refusal("tolerance", "0,5"),
             "option tolerance: expected a number, 0 .. 1, found '0,5'");
   EXPECT_EQ(Refusal("least", "0.2"), "option least: expected at least 0.25, found '0.2'");
