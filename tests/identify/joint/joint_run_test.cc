@@ -334,8 +334,8 @@ TEST(JointRun, AWrongStartLeadsAlphaNoFurtherThanItsBound) {
   EXPECT_TRUE(OneSays(result.cautions, "pulses.csv (20 %)"));
 }
 
-// Every log goes down to the cut-off, and the fast ones of three begin at 0.5 where 0.56 is said: alpha is what makes
-// both starts right, and v_oc(A) is at the cut-off with charge left, which no cell that started full has.
+// Two discharges and the pulses begin at 0.5, where 0.56 is said: alpha makes both starts right, and v_oc(A) is at the
+// cut-off with charge left, which a cell that started full has not.
 TEST(JointRun, AWrongStartIsDoubtedByTheEndOfTheCurve) {
   const Cell truth = TruthOf();
   const auto with = [&](double said) {
