@@ -112,8 +112,8 @@ struct JointLogs {
   /// Not all loads are of one current, low rates aside: only such logs show how the voltage goes with
   /// the current.
   bool several_currents = false;
-  double load_A =
-      0.0;  ///< of the points under load, low rates aside, the median; 0 where there are none
+  /// Median current of the points under load, low rates aside; 0 where there are none.
+  double load_A = 0.0;
   double noise_V = 0.0;       ///< of a row: of one instrument, so the least that any log shows
   double noise_mean_V = 0.0;  ///< weighted mean size of the noise of what can be left out
   /// Coldest and warmest point; NaN where not every log knows its temperature.

@@ -252,8 +252,8 @@ class JointRun {
         given_.alpha_C ? ", and alpha, which was given, right" : "");
   }
 
-  // Logs that start elsewhere than the others say by that what alpha is; that v_oc(A) is down to the cut-off at
-  // A = 0 says it, too. Four campaigns of real cells, whose logs all start full, have 0.006 left there at most.
+  // Logs that start at different states of charge fix alpha by them. So does the end of v_oc(A): it is at the cut-off
+  // where A = 0. Real cells whose logs all start full, which are not asked here, had 0.000 to 0.006 of alpha left.
   void DoubtStarts(double alpha_C) {
     constexpr double kLeft = 0.004;
     constexpr double kReached = 0.02;  // beyond, the line down to the cut-off is a guess

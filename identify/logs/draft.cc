@@ -548,12 +548,19 @@ class Drafting {
     return kMostEntropy_V_per_K * std::abs(warmth->least - other_warmth->least);
   }
 
-  // The slowest discharge from full beside the slow one; nullptr where there is none.
+  // The slowest discharge from full that is faster than the slow one, at about its temperature, for in the cold all
+  // drops are larger; nullptr where there is none.
   [[nodiscard]] const Inspection* SlowestFromFull(double full_V) const {
+    constexpr double kAlike_K = 10.0;
+    const Inspection& slow = *low_rate_.inspection;
     const Inspection* slowest = nullptr;
     for (const Candidate& each : fast_) {
       const Inspection& one = *each.inspection;
       if (!(one.start_voltage_V >= full_V - kSameStart_V) || one.discharge_curve.size() < 2)
+        continue;
+      if (!(one.discharge->current_A > slow.discharge->current_A)) continue;
+      if (one.temperature_degC && slow.temperature_degC &&
+          std::abs(one.temperature_degC->least - slow.temperature_degC->least) > kAlike_K)
         continue;
       if (slowest == nullptr || one.discharge->current_A < slowest->discharge->current_A)
         slowest = &one;

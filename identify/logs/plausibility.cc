@@ -111,12 +111,8 @@ LateRows CountLateRows(const Record& record) {
   return late;
 }
 
-}  // namespace
-
-namespace {
-
-constexpr double kHighestCell_V =
-    4.38;  // of a high-voltage cell when full, and the error of a sensor
+// Of a high-voltage cell when full, with the error of a sensor.
+constexpr double kHighestCell_V = 4.38;
 
 }  // namespace
 

@@ -301,6 +301,20 @@ TEST(Draft, AStartOnAFlatCurveRestsOnTheWholeResistance) {
   const auto draft = DraftCampaign(files, "lab", "campaign.toml");
   ASSERT_EQ(draft.campaign.logs.size(), 3U);
   EXPECT_NEAR(draft.campaign.logs[1].initial_soc, 0.5, 0.01);
+  // In the cold all drops are larger, and say nothing of those in the warmth.
+  Record cold = on_curve(3.29, 2.0, 0.01, 0.5);
+  for (std::size_t k = 62; k + 1 < cold.size(); ++k) cold.voltage_V[k] -= 0.15;
+  auto with_cold = files;
+  with_cold.push_back(Inspected("cold.csv", std::move(cold)));
+  for (InspectedFile& file : with_cold) {
+    const double degC = file.file == "cold.csv" ? -20.0 : 25.0;
+    file.inspection->temperature_degC = Spread{.least = degC, .largest = degC};
+  }
+  std::swap(with_cold.front(), with_cold.back());  // as slow as the other, and before it
+  const auto beside = DraftCampaign(with_cold, "lab", "campaign.toml");
+  ASSERT_EQ(beside.campaign.logs.size(), 4U) << DraftToToml(beside);
+  ASSERT_EQ(beside.campaign.logs[1].file, "half.csv");
+  EXPECT_NEAR(beside.campaign.logs[1].initial_soc, 0.5, 0.01) << DraftToToml(beside);
 }
 
 TEST(Draft, AGivenCutoffSaysWhichDischargesAreWhole) {
